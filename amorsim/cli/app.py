@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import errno
 import gc
 import os
 import sys
 import warnings
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -41,6 +43,7 @@ from amorsim.core.trouble import explain as in_words
 
 __all__ = ["app", "main"]
 
+_OF_OUTPUT = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 INTERRUPTED = 130  # the exit status after Ctrl-C, as shells have it
 
 
@@ -49,11 +52,20 @@ class _Commands(TyperGroup):
 
     def invoke(self, ctx: Any) -> Any:
         answer_interrupts()
+        _check_here()
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt as error:
             complain("\n".join(["interrupted", *getattr(error, "__notes__", ())]))
             raise typer.Exit(INTERRUPTED) from error
+
+
+def _check_here() -> None:
+    """Raise an error where the present folder has been removed: no relative path leads anywhere then."""
+    try:
+        Path.cwd()
+    except OSError as error:
+        raise AmorsimError(f"the present folder cannot be used ({error.strerror}); go to another one: cd") from None
 
 
 app = typer.Typer(
@@ -113,6 +125,7 @@ def main() -> None:
     """Run the command line; the exit status is 0 for success, 1 for a difference found, 2 for a user's mistake."""
     # What is imported stays; to look through it for garbage every 700 objects takes a tenth of a start.
     gc.set_threshold(50_000, 20, 50)
+    _open_closed()
     with warnings.catch_warnings():
         # One line a warning, without the place in our code that a user cannot do anything about.
         warnings.showwarning = lambda message, *_, **__: complain(f"warning: {message}")
@@ -121,7 +134,24 @@ def main() -> None:
         except AmorsimError as error:
             complain(in_words(error))
             sys.exit(2)
-        except BrokenPipeError:
-            # The reader of our output has closed it (``| head``), so nothing more can be printed.
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        except BrokenPipeError:  # the reader of our output has closed it (``| head``)
+            _print_no_more()
             sys.exit(1)
+        except OSError as error:
+            if error.filename is not None or error.errno not in _OF_OUTPUT:
+                raise
+            _print_no_more()
+            complain(f"what is printed cannot be written ({error.strerror})")
+            sys.exit(2)
+
+
+def _print_no_more() -> None:
+    """Drop what is printed from here on, and what waits to be printed, which Python would try again at its end."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _open_closed() -> None:
+    """Print to nowhere where the caller has closed the standard output or error (``>&-``): Python then has none."""
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_WRONLY), "w", encoding="utf-8"))

@@ -234,6 +234,11 @@ _ELEMENT = " (element "
 
 
 def _problem(expected: Parameter, kind: Any, value: Any) -> str:
+    return _of_one(expected, kind, value) if isinstance(kind, type) else _of_several(expected, kind, value)
+
+
+def _of_several(expected: Parameter, kind: Any, value: Any) -> str:
+    """The problem with a value of several possible kinds, or of several elements."""
     if isinstance(kind, types.UnionType) or typing.get_origin(kind) is typing.Union:
         options = [option for option in typing.get_args(kind) if option is not types.NoneType]
         if value is None and len(options) < len(typing.get_args(kind)):
@@ -254,6 +259,10 @@ def _problem(expected: Parameter, kind: Any, value: Any) -> str:
                 head, _, inner = problem.rpartition(_ELEMENT)
                 return f"{head}{_ELEMENT}{place}.{inner}" if head else f"{problem}{_ELEMENT}{place})"
         return ""
+    return _of_one(expected, kind, value)
+
+
+def _of_one(expected: Parameter, kind: Any, value: Any) -> str:
     if kind is float:
         is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
         # An int too large for a float is as good as infinite.

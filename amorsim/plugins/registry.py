@@ -97,6 +97,7 @@ class Registry:
 
     def __init__(self) -> None:
         self._entries: dict[tuple[str, str], Entry] = {}
+        self._names: dict[str, tuple[str, ...]] = {}  # sorted, by kind
         self._classes: dict[tuple[str, str], type] = {}
         self._problems: list[str] = []
         self._plugins: list[Plugin] = []
@@ -198,7 +199,9 @@ class Registry:
 
     def names(self, kind: str) -> tuple[str, ...]:
         """The names of a kind, sorted."""
-        return tuple(sorted(name for of, name in self._entries if of == kind))
+        if kind not in self._names:
+            self._names[kind] = tuple(sorted(name for of, name in self._entries if of == kind))
+        return self._names[kind]
 
     def entry(self, kind: str, name: str) -> Entry:
         """The entry registered under a name.
@@ -259,6 +262,7 @@ class Registry:
             self.report(f"{error} It was left out.")
             return
         self._entries[kind, name] = entry
+        self._names.pop(kind, None)
         if isinstance(target, type):
             self._classes[kind, name] = target
 

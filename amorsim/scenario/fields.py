@@ -82,7 +82,7 @@ def read_fields(node: Node, fields: Mapping[str, Parameter], skip: tuple[str, ..
 def in_file(key: str, parameter: Parameter) -> Parameter:
     """The parameter as the file has it: an angle's bounds and unit in degrees."""
     if not parameter.is_angle:
-        return attrs.evolve(parameter, name=key)
+        return parameter if parameter.name == key else attrs.evolve(parameter, name=key)
     bounds: dict[str, Any] = {
         name: None if bound is None else to_degrees(bound)
         for name, bound in (
@@ -112,7 +112,8 @@ def _read(node: Node, key: str, parameter: Parameter) -> Any:
         if parameter.file and value:
             # As for maps: what a link is called is the user's.
             value = os.path.abspath(node.folder / value)  # noqa: PTH100
-        check_value(parameter, value)
+        if expected is not parameter:
+            check_value(parameter, value)
     except ParameterError as error:
         problem = error.problem.replace(f"got {in_words(value)}", f"got {shown(node.value)}")
         node.fault(problem if len(problem) < 500 else f"{problem[:500]}...")
@@ -147,6 +148,8 @@ def _read_component_of(node: Node, parameter: Parameter) -> Any:
 def _native(node: Node, kind: Any) -> Any:
     """The value with tuples and nested classes where the type has them; what does not fit stays as it is."""
     value = node.value
+    if isinstance(kind, type):
+        return read_component(kind, node) if isinstance(value, dict) and attrs.has(kind) else value
     if isinstance(kind, types.UnionType) or typing.get_origin(kind) is typing.Union:
         options = typing.get_args(kind)
         if value == NONE and types.NoneType in options:
@@ -160,8 +163,6 @@ def _native(node: Node, kind: Any) -> Any:
         if len(items) != len(value):
             return tuple(value)
         return tuple(_native(child, item) for child, item in zip(node.items(), items, strict=True))
-    if isinstance(kind, type) and attrs.has(kind) and isinstance(value, dict):
-        return read_component(kind, node)
     return value
 
 

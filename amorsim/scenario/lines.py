@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import attrs
 
@@ -12,7 +12,7 @@ from amorsim.core.errors import Fault
 from amorsim.core.reading import read_bytes
 from amorsim.scenario.layout import Layout, Path_
 from amorsim.scenario.names_in_lists import index_of
-from amorsim.scenario.written import Written, line_of, read_written
+from amorsim.scenario.written import Written, line_numbers, line_of, read_written
 
 __all__ = ["line_at", "with_lines"]
 
@@ -24,18 +24,15 @@ def with_lines(
 
     Of another program's file, `lines` are those that say what is at a path, or below it.
     """
-    files: dict[str, tuple[Written, Layout] | None] = {
-        name: (written, Layout(written.statements)) for name, written in (known or {}).items()
-    }
+    files: dict[str, _Said | None] = {name: _said(written) for name, written in (known or {}).items()}
     found = []
     for fault in faults:
         if fault.line is None and fault.file not in files:
             files[fault.file] = _read(fault.file)
         said = files.get(fault.file)
         if fault.line is None and said is not None:
-            written, layout = said
-            path = _numbered(written.values, fault.path.split(".")) if fault.path else ()
-            fault = attrs.evolve(fault, line=line_of(written.statements, layout, path))
+            path = _numbered(said.written.values, fault.path.split(".")) if fault.path else ()
+            fault = attrs.evolve(fault, line=line_of(said.written.statements, said.layout, path, said.numbers))
         elif fault.line is None and lines and not fault.file.startswith("--set"):
             parts = fault.path.split(".")
             paths = (".".join(parts[:length]) for length in range(len(parts), 0, -1))
@@ -50,14 +47,26 @@ def line_at(file: str, path: str) -> int | None:
     return fault.line
 
 
-def _read(file: str) -> tuple[Written, Layout] | None:
+class _Said(NamedTuple):
+    """What a file says, and where: laid out once for all its faults."""
+
+    written: Written
+    layout: Layout
+    numbers: list[int]  # of the statements' lines
+
+
+def _said(written: Written) -> _Said:
+    return _Said(written, Layout(written.statements), line_numbers(written.statements))
+
+
+def _read(file: str) -> _Said | None:
     if not file.endswith(".toml"):
         return None
     try:
         written = read_written(read_bytes(Path(file)).decode().removeprefix("\N{BOM}"))
     except (OSError, ValueError):
         return None
-    return written, Layout(written.statements)
+    return _said(written)
 
 
 def _numbered(values: Any, parts: list[str]) -> Path_:
@@ -65,7 +74,9 @@ def _numbered(values: Any, parts: list[str]) -> Path_:
     path: Path_ = ()
     for part in parts:
         if isinstance(values, list):
-            index = index_of(values, part)
+            # A number is one: faults have numbers, and names would be sought for each of them.
+            is_number = part.isdecimal() and int(part[:9]) < len(values)
+            index = int(part) if is_number else index_of(values, part)
             if isinstance(index, str):
                 break
             path, values = (*path, index), values[index]

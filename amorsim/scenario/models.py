@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import functools
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -45,6 +46,7 @@ MODEL_KEYS = (
     "errors",
     *LOOKS,
 )
+Read = Callable[[Path], dict[str, Any] | str]
 ERROR_KEYS = {"scale", "add", "value", "per", "normal", "uniform"}  # keys of an error, no path of which ends so
 # What a robot has several of by name, and can be rid of with ``NAME = false``.
 _NAMED = ("sensors", "estimators")
@@ -92,12 +94,13 @@ def merge_models(document: dict[str, Any], book: Book, registry: Registry) -> No
     robots = document.get("robots")
     if not isinstance(robots, list):
         return
+    read = functools.cache(read_toml)  # many robots are of the same model
     for index, robot in enumerate(robots):
         if not isinstance(robot, dict):
             continue
         node = Node(robot, ("robots", str(index)), book)
         if "model" in robot:
-            layers = _read_layers(node.child("model"), "robot", registry)
+            layers = _read_layers(node.child("model"), "robot", registry, read)
             name = robot.pop("model")
             if "resolved_from" in robot:
                 node.child("resolved_from").fault("a resolved robot has no model; leave one of the two out")
@@ -107,7 +110,7 @@ def merge_models(document: dict[str, Any], book: Book, registry: Registry) -> No
                 robot["resolved_from"] = name
                 _check_removals(layers, node)
                 robots[index] = _merged(layers, node)
-        _merge_devices(Node(robots[index], node.path, book), registry)
+        _merge_devices(Node(robots[index], node.path, book), registry, read)
 
 
 def _check_removals(layers: Sequence[Layer], robot: Node) -> None:
@@ -123,7 +126,7 @@ def _check_removals(layers: Sequence[Layer], robot: Node) -> None:
                 )
 
 
-def _merge_devices(robot: Node, registry: Registry) -> None:
+def _merge_devices(robot: Node, registry: Registry, read: Read) -> None:
     """Put devices under the sensors that have one of them as their model."""
     sensors = robot.value.get("sensors")
     if not isinstance(sensors, dict):
@@ -132,7 +135,7 @@ def _merge_devices(robot: Node, registry: Registry) -> None:
         if not isinstance(sensor, dict) or "model" not in sensor:
             continue
         node = robot.child("sensors").child(name)
-        layers = _read_layers(node.child("model"), "device", registry)
+        layers = _read_layers(node.child("model"), "device", registry, read)
         if layers is None:
             # The sensor is not to blame for missing what the device would have said.
             del sensors[name]
@@ -154,11 +157,13 @@ def read_layers(source: str, kind: str, registry: Registry) -> tuple[Book, dict[
     """
     book = Book(Source(file="", folder=Path()))
     node = Node({}, (), book)
-    layers = _read_layers(Node(source, ("model",), book), kind, registry)
+    layers = _read_layers(Node(source, ("model",), book), kind, registry, read_toml)
     return book, None if layers is None or book.count else _merged(layers, node)
 
 
-def _read_layers(node: Node, kind: str, registry: Registry, seen: tuple[Path, ...] = ()) -> list[Layer] | None:
+def _read_layers(
+    node: Node, kind: str, registry: Registry, read: Read, seen: tuple[Path, ...] = ()
+) -> list[Layer] | None:
     """What a file says without what a model has at its top, after all that it builds on."""
     name = node.text(f"the name of {_WORDS[kind]}, or the path of its .toml file")
     if name is None:
@@ -171,7 +176,7 @@ def _read_layers(node: Node, kind: str, registry: Registry, seen: tuple[Path, ..
         except PluginError as error:
             node.fault(str(error))
             return None
-    model = read_toml(path)
+    model = read(path)
     if isinstance(model, str):
         node.fault(f"the model {path}: {model}")
         return None
@@ -189,7 +194,7 @@ def _read_layers(node: Node, kind: str, registry: Registry, seen: tuple[Path, ..
         top.child("description").text("a text")
     layers: list[Layer] | None = []
     if "model" in model:
-        layers = _read_layers(top.child("model"), kind, registry, (*seen, path.resolve()))
+        layers = _read_layers(top.child("model"), kind, registry, read, (*seen, path.resolve()))
     for fault in alone.faults:
         node.book.add(fault)
     if layers is None:

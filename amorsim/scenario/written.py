@@ -15,7 +15,7 @@ from amorsim.scenario.statements import Statement, cut, value_end
 from amorsim.scenario.toml_problems import plain_problem, toml_problem
 from amorsim.scenario.toml_values import parse
 
-__all__ = ["BadLine", "Written", "line_of", "read_written"]
+__all__ = ["BadLine", "Written", "line_numbers", "line_of", "read_written"]
 
 _MOST = 20  # bad lines are reported
 
@@ -82,7 +82,7 @@ def read_written(text: str) -> Written:
                 _leave_out_body(statements, index, old.text)
     else:  # this is no file of TOML
         statements = [Statement(each.text, "bad") for each in statements]
-    lines = _line_numbers(statements)
+    lines = line_numbers(statements)
     reported = sorted(bad)[:_MOST]
     return Written(text, values, statements, [BadLine(lines[i], statements[i].text.strip(), bad[i]) for i in reported])
 
@@ -149,7 +149,8 @@ def _problem_of(text: str) -> str:
     return plain_problem()
 
 
-def _line_numbers(statements: Sequence[Statement]) -> list[int]:
+def line_numbers(statements: Sequence[Statement]) -> list[int]:
+    """The line, counted from 1, that each statement begins in."""
     numbers, line = [], 1
     for statement in statements:
         numbers.append(line)
@@ -157,18 +158,24 @@ def _line_numbers(statements: Sequence[Statement]) -> list[int]:
     return numbers
 
 
-def line_of(statements: Sequence[Statement], layout: Layout, path: Path_) -> int | None:
-    """The line, counted from 1, that says a path, or what is nearest above it; None where nothing of it is said."""
+def line_of(
+    statements: Sequence[Statement], layout: Layout, path: Path_, numbers: Sequence[int] | None = None
+) -> int | None:
+    """The line, counted from 1, that says a path, or what is nearest above it; None where nothing of it is said.
+
+    `numbers` are the statements' `line_numbers`, counted here if they are not given.
+    """
+    numbers = line_numbers(statements) if numbers is None else numbers
     spot = layout.pair_over(path)
     if spot is not None:
         index, rest = spot
         statement = statements[index]
         at, member, _ = find(statement.text, statement.first, rest)
         inside = statement.text[: at if member is None else member.start].count("\n")
-        return _line_numbers(statements[: index + 1])[-1] + inside
+        return numbers[index] + inside
     for length in range(len(path), 0, -1):
         under = layout.under(path[:length])
         if under:
             own = layout.headers.get(path[:length])
-            return _line_numbers(statements[: (own if own is not None else under[0]) + 1])[-1]
+            return numbers[own if own is not None else under[0]]
     return None
