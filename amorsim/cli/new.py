@@ -27,8 +27,8 @@ def command(
         typer.Option(
             "--from",
             metavar="SCENARIO",
-            help="Begin with this scenario: a file (.toml), or the name of a bundled one. It names its files by "
-            "relative paths.",
+            help="Begin with this scenario: a file (.toml, another program's, or a map), or the name of a bundled one. "
+            "It names its files by relative paths.",
         ),
     ] = None,
     copy: Annotated[

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import io
 import struct
+import subprocess
+import sys
 import zlib
 
 import numpy as np
@@ -152,6 +154,36 @@ def test_opaque_is_the_opacity_of_a_picture_without(tmp_path, strips):
     seen = []
     open_picture(path).classes(lambda colours: seen.append(colours) or np.zeros(len(colours), np.uint8))
     assert np.unique(np.concatenate(seen), axis=0).tolist() == [[1, 2, 3, OPAQUE]]
+
+
+MEMORY = """
+import re
+import sys
+import amorsim as am
+
+def most():
+    with open("/proc/self/status") as file:
+        return 1024 * int(re.search(r"VmHWM:\\s+(\\d+)", file.read())[1])
+
+am.load_map(sys.argv[1], resolution=0.05, threshold=0.5)
+before = most()
+am.load_map(sys.argv[2], resolution=0.05, threshold=0.5)
+print(most() - before)
+"""
+
+
+@pytest.mark.long
+@pytest.mark.skipif(sys.platform != "linux", reason="the memory is read from /proc")
+def test_a_large_picture_in_colours_takes_less_than_three_bytes_a_pixel(tmp_path):
+    side = 5000
+    pixels = np.full((side, side, 3), 230, np.uint8)
+    pixels[::250] = pixels[:, ::250] = [40, 10, 10]
+    Image.fromarray(pixels).save(tmp_path / "large.png", compress_level=1)
+    Image.fromarray(pixels[:9, :9]).save(tmp_path / "small.png")
+    command = [sys.executable, "-c", MEMORY, str(tmp_path / "small.png"), str(tmp_path / "large.png")]
+    done = subprocess.run(command, check=True, capture_output=True, text=True)
+    # One for its cells, one for the search of outlines; pillow alone would hold four.
+    assert int(done.stdout) < 3 * side * side
 
 
 def png(width, height, data, *, pieces=1, change=bytes, last=b"\0\0\0"):

@@ -76,8 +76,9 @@ class Work:
         else:
             self.document = open_document(name, registry=self.registry)
             self.path = self.document.path.absolute()
-            self._saved = self.document.text
             self.is_new = not Path(name).is_file()
+            # For a map, or another program's file, there is no file of the scenario yet.
+            self._saved = self.document.text if self.is_new or self.path.is_file() else None
             if not self.is_new:
                 self.folder = self.path.parent
         self.name = "untitled" if not name else self.path.stem

@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Iterable
 from pathlib import Path
 
-from amorsim.core.errors import DocumentError
+from amorsim.core.errors import DocumentError, ScenarioError
 from amorsim.core.reading import read_bytes
 from amorsim.scenario.document import open_document
 
@@ -28,7 +28,7 @@ def stamps_of_scenario(name: str) -> Stamps:
     """The same of a scenario's file and of those that it names."""
     try:
         return stamps_of(open_document(name).files())
-    except DocumentError:
+    except (DocumentError, ScenarioError):  # the latter for another program's file
         return stamps_of([Path(name).absolute()])
 
 

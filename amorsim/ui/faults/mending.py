@@ -142,6 +142,8 @@ class Mending:
         except DocumentError as error:
             message = str(error).removeprefix(f"{self._name}: ")
             faults = (Fault(file=self._name, path="", message=message),)
+        except ScenarioError as error:  # of another program's file
+            faults = error.faults
         except Exception as error:  # what a plugin's loader may raise; it must not end the watch
             sys.stderr.write("".join(traceback.format_exception(error)))
             faults = (Fault(file=self._name, path="", message=f"cannot be read: {error_in_words(error)}"),)

@@ -351,3 +351,23 @@ def test_a_run_from_the_editor_has_the_digest_of_a_run_of_the_saved_file(name: s
 
     aside(all_of_it())
     assert digests == [digest(tmp_path / "mine.toml")]
+
+
+def test_a_map_stays_as_it_is_and_a_scenario_is_saved_next_to_it(tmp_path: Path) -> None:
+    room = tmp_path / "room.wld"
+    room.write_text("width 5000\nheight 4000\n0 0 5000 0\nposition 2500 2000 0\n")
+    before = room.read_bytes()
+
+    async def say(session: EditSession) -> None:
+        assert not (await drawn(session))["faults"]
+        assert not session.state()["is_saved"]
+        saved = await do(session, do="save")
+        assert saved["file"] == str(tmp_path / "room.toml")
+        assert (tmp_path / "room.toml").is_file()
+        assert session.state()["is_saved"]
+        await do(session, do="edit", label="seed", changes=[{"op": "set", "path": "simulation.seed", "value": 77}])
+        await do(session, do="save")
+
+    talk(str(room), tmp_path, say)
+    assert room.read_bytes() == before
+    assert am.load(tmp_path / "room.toml").seed == 77
