@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Frame, ObstacleFrame
-from amorsim.core.arguments import check_kind, check_text, real, whole
+from amorsim.core.arguments import check_kind, real, whole
 from amorsim.core.errors import AmorsimError, did_you_mean
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
@@ -255,19 +255,17 @@ class Simulation:
 
     def robot(self, name: str, replica: int | None = None) -> RobotHandle:
         """One robot; `replica` is its replica's number, not needed if there is only one."""
-        check_text(name, "name", "the name of a robot")
-        if name not in self.names:
+        if not isinstance(name, str) or name not in self.names:
             known = ", ".join(self.names)
-            raise AmorsimError(f"there is no robot {name!r}, but: {known}.{did_you_mean(name, self.names)}")
+            raise AmorsimError(f"there is no robot {in_words(name)}, but: {known}.{did_you_mean(name, self.names)}")
         return RobotHandle(*self._fleet.robot_row(name, self._replica_index(replica)))
 
     def obstacle(self, name: str, replica: int | None = None) -> ObstacleHandle:
         """One obstacle; `replica` as for `robot`."""
         names = self._fleet.world.names[len(self.names) : self._fleet.world.named]
-        check_text(name, "name", "the name of an obstacle")
-        if name not in names:
+        if not isinstance(name, str) or name not in names:
             known = ", ".join(names) or "none"
-            raise AmorsimError(f"there is no obstacle {name!r}, but: {known}.{did_you_mean(name, names)}")
+            raise AmorsimError(f"there is no obstacle {in_words(name)}, but: {known}.{did_you_mean(name, names)}")
         first = int(self._fleet.world.first[self._replica_index(replica)])
         return ObstacleHandle(*self._fleet.row_of(first + len(self.names) + names.index(name)))
 
@@ -280,10 +278,10 @@ class Simulation:
             if len(self.replicas) > 1:
                 raise AmorsimError("there are several replicas; say which one with replica=")
             return 0
-        replica = whole(replica, "replica", "the number of a replica")
-        if replica not in self.replicas:
+        number = int(replica) if isinstance(replica, (int, np.integer)) else -1
+        if number not in self.replicas:
             raise AmorsimError(f"there is no replica {in_words(replica)}; there are {numbers_in_words(self.replicas)}")
-        return self.replicas.index(replica)
+        return self.replicas.index(number)
 
     def frames(self) -> list[Frame]:
         """The present step for recorders: all values, a frame for each group of robots that are alike at the start."""
