@@ -35,6 +35,17 @@ __all__ = [
 class AmorsimError(Exception):
     """The base of all exceptions that amorsim raises on purpose."""
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Python would call the class with the message alone, which not all take.
+        return _again, (type(self), self.args, vars(self))
+
+
+def _again(cls: type[AmorsimError], args: tuple[Any, ...], state: dict[str, Any]) -> AmorsimError:
+    """An error as it was, in another process."""
+    error = cls.__new__(cls, *args)
+    vars(error).update(state)
+    return error
+
 
 class MapError(AmorsimError):
     """A map that cannot be read, or a query that a map cannot answer."""
@@ -82,9 +93,6 @@ class DocumentError(AmorsimError):
         self.path = path
         self.problem = problem
         super().__init__(f"{path}: {problem}" if path else problem)
-
-    def __reduce__(self) -> tuple[type[DocumentError], tuple[str, str]]:
-        return DocumentError, (self.problem, self.path)
 
 
 class SnapshotError(AmorsimError):

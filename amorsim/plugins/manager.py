@@ -14,6 +14,7 @@ from typing import Any
 import pluggy
 
 from amorsim.core.errors import PluginError, did_you_mean
+from amorsim.core.trouble import RAISED, error_in_words
 from amorsim.core.version import version
 from amorsim.plugins.hooks import GROUP, Hooks
 from amorsim.plugins.registry import Plugin, Registry
@@ -95,8 +96,8 @@ def _tell(hook: str, simulation: Any, registry: Registry) -> None:
         if hook in hooks:
             try:
                 hooks[hook](simulation=simulation)
-            except Exception as error:  # the other plugins are still notified
-                failures.append((f"{plugin}: {hook} raised {type(error).__name__}: {error}", error))
+            except RAISED as error:  # the other plugins are still notified
+                failures.append((f"{plugin}: {hook} raised {error_in_words(error)}", error))
     if failures:
         raise PluginError("\n".join(message for message, _ in failures)) from failures[0][1]
 

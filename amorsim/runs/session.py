@@ -22,6 +22,7 @@ from amorsim.core.user_code import go_back, present_folder
 from amorsim.core.whole_files import write_bytes
 from amorsim.plugins.manager import default_registry, run_finished, run_started
 from amorsim.render.picture import draw_run
+from amorsim.runs.asking import ask, fresh
 from amorsim.runs.estimated_maps import write_estimated_maps
 from amorsim.runs.folder import ABOUT, FORMAT, RunFolder, circumstances, fingerprints, last_time
 from amorsim.runs.traces import Traces, collisions_of
@@ -125,7 +126,7 @@ class RunSession:
         # Each run has recorders of its own, because they hold files.
         self._recorders: list[Recorder] = [
             self._registry.get("recorder", "text")(),
-            *(recorder.fresh() for recorder in scenario.recording.also),
+            *(fresh(recorder) for recorder in scenario.recording.also),
         ]
         self._about: dict[str, Any] = {
             "format": FORMAT,
@@ -161,8 +162,8 @@ class RunSession:
             folder=self.folder, dt=simulation.dt, replicas=simulation.replicas, with_sensors=self._with_sensors
         )
         for recorder in self._recorders:
-            recorder.open(info, simulation.frames())
-            recorder.write_obstacles(simulation.obstacle_frames())
+            ask(recorder, "open", info, simulation.frames())
+            ask(recorder, "write_obstacles", simulation.obstacle_frames())
         self._traces = Traces(simulation)
         run_started(simulation, self._registry)
 
@@ -188,8 +189,8 @@ class RunSession:
         events = simulation.events
         frames, obstacles = simulation.frames(), simulation.obstacle_frames()
         for recorder in self._recorders:
-            recorder.write(frames, events[self._events :])
-            recorder.write_obstacles(obstacles)
+            ask(recorder, "write", frames, events[self._events :])
+            ask(recorder, "write_obstacles", obstacles)
         self._events = len(events)
         self._traces.keep(frames)
         self.steps += 1
@@ -254,7 +255,7 @@ class RunSession:
         problem: Exception | None = None
         for place, recorder in enumerate(self._recorders):
             try:
-                recorder.close()
+                ask(recorder, "close")
             except Exception as error:
                 self._has_lost_lines |= place == 0  # of the text files
                 problem = problem or error

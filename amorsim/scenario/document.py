@@ -36,6 +36,8 @@ from amorsim.scenario.written import Written, line_of, read_written
 
 __all__ = ["Document", "open_document"]
 
+_LISTS = (("robots",), ("obstacles",), ("landmarks",), ("lights",), ("zones",))
+
 
 def open_document(path: str | os.PathLike[str], *, registry: Registry | None = None) -> Document:
     """The document of a scenario's file, or of the bundled scenario of that name; it may have faults.
@@ -88,6 +90,10 @@ class Document:
 
     def __repr__(self) -> str:
         return f"<document {str(self._path)!r}>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # As a file of that text, just opened; by the plugins of the process where it then is.
+        return Document, (self.text, self._path)
 
     @property
     def path(self) -> Path:
@@ -260,7 +266,7 @@ class Document:
                 raise DocumentError(f"expected a path, as 'robots.rover.drive.track', got {shown(path)}")
             part = checked_text(part.strip() if isinstance(path, str) else part)
             if place is MISSING and part.isdecimal():  # an item of a list that is a field's default
-                default = self._origins.default(self._editor.values, at)
+                default = [] if at in _LISTS else self._origins.default(self._editor.values, at)
                 place = default if isinstance(default, list) else MISSING
             if isinstance(place, list):
                 index = index_of(place, part)

@@ -17,7 +17,7 @@ import attrs
 
 from amorsim.core.errors import PluginError
 from amorsim.core.parameters import Parameter, ParameterError, check_value, describe
-from amorsim.core.trouble import in_words
+from amorsim.core.trouble import RAISED, error_in_words, in_words
 from amorsim.plugins.manager import default_registry
 from amorsim.scenario.angles import to_degrees, to_radians
 from amorsim.scenario.faults import Node, shown
@@ -56,8 +56,8 @@ def read_component(cls: type, node: Node, *, sensor_unit: str = "", beside: tupl
     except ParameterError as error:
         names = [key for key, parameter in fields.items() if parameter.name == error.name]
         (node.child(names[0]) if names else node).fault(error.problem if names else str(error))
-    except Exception as error:  # a third party's own checks
-        node.fault(f"{cls.__name__} refuses these values: {type(error).__name__}: {error}")
+    except RAISED as error:  # a third party's own checks
+        node.fault(f"{cls.__name__} refuses these values: {error_in_words(error)}")
     return None
 
 

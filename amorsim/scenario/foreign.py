@@ -8,6 +8,7 @@ from pathlib import Path
 from amorsim.contracts import ScenarioDocument, ScenarioLoader
 from amorsim.core.errors import Fault, PluginError, ScenarioError
 from amorsim.core.reading import check_readable
+from amorsim.core.trouble import RAISED, error_in_words
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.faults import Book, Node, Source
 from amorsim.scenario.fields import read_component
@@ -41,7 +42,12 @@ def find_scenario_loader(path: Path, registry: Registry) -> tuple[str, type[Scen
                     head = file.read(_HEAD)
             except (OSError, ValueError):  # which the reader of scenarios reports, or that of maps
                 return None
-        if cls.sniff(head):
+        try:
+            is_its = cls.sniff(head)
+        except RAISED as error:
+            registry.report(f"scenario loader {entry.name!r}: {cls.__name__}.sniff() raised {error_in_words(error)}")
+            continue
+        if is_its:
             return entry.name, cls
     return None
 
@@ -69,8 +75,8 @@ def read_foreign(path: Path, name: str, cls: type[ScenarioLoader], options: Sequ
         document = loader.read(path)
     except ScenarioError:
         raise
-    except Exception as error:  # a third party's loader
-        problem = f"the scenario loader {name!r} failed with {type(error).__name__}: {error}"
+    except RAISED as error:  # a third party's loader
+        problem = f"the scenario loader {name!r} failed with {error_in_words(error)}"
         raise ScenarioError([Fault(file=str(path), path="", message=problem)]) from error
     if not isinstance(document, ScenarioDocument):
         problem = f"the scenario loader {name!r} gave {document!r}; expected a ScenarioDocument"

@@ -18,6 +18,7 @@ from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError, describe
 from amorsim.core.reading import check_readable, no_such_file, reason
 from amorsim.core.same_cells import have_same_cells
+from amorsim.core.trouble import RAISED, error_in_words
 from amorsim.core.whole_files import replacing
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
@@ -89,9 +90,9 @@ def read_map(file: MapFile) -> Map:
         found = file.loader.load(file.path)
     except MapError:
         raise
-    except Exception as error:  # a third party's loader
+    except RAISED as error:  # a third party's loader
         loader = type(file.loader).__name__
-        raise MapError(f"{file.path}: {loader} failed with {type(error).__name__}: {error}") from error
+        raise MapError(f"{file.path}: {loader} failed with {error_in_words(error)}") from error
     if not isinstance(found, Map):
         raise MapError(f"{file.path}: {type(file.loader).__name__} gave {found!r}, which is no map")
     if getattr(file.loader, "resolution", 0.0) is None:  # what the loader took is what a run writes down
@@ -112,8 +113,8 @@ def companions_of(file: MapFile) -> list[Path]:
         found = file.loader.companions(file.path)
     except MapError:
         raise
-    except Exception as error:  # a third party's loader
-        raise MapError(f"{file.path}: {loader}.companions failed with {type(error).__name__}: {error}") from error
+    except RAISED as error:  # a third party's loader
+        raise MapError(f"{file.path}: {loader}.companions failed with {error_in_words(error)}") from error
     if not isinstance(found, Sequence) or not all(isinstance(path, Path) for path in found):
         raise MapError(f"{file.path}: {loader}.companions gave {found!r}; expected a list of paths")
     # Not resolve(), for the same reason as where a scenario names its map.
@@ -219,8 +220,8 @@ def _written(cls: type[MapLoader], world: Map, path: Path) -> MapFile:
         return MapFile(path=path, loader=cls.save(world, path))
     except (MapError, OSError):
         raise
-    except Exception as error:  # a third party's loader
-        raise MapError(f"{cls.__name__} failed with {type(error).__name__}: {error}") from error
+    except RAISED as error:  # a third party's loader
+        raise MapError(f"{cls.__name__} failed with {error_in_words(error)}") from error
 
 
 def _writer(path: Path, use: str | None, registry: Registry) -> type[MapLoader]:
@@ -259,12 +260,20 @@ def find_loader(path: Path, use: str | None, registry: Registry) -> tuple[str, t
     by_extension = [(name, cls) for name, cls in loaders if extension in cls.extensions]
     # Where two claim an extension, the one that knows the file's first bytes reads it.
     for name, cls in (*by_extension, *loaders):
-        if (len(by_extension) == 1 and (name, cls) in by_extension) or cls.sniff(head):
+        if (len(by_extension) == 1 and (name, cls) in by_extension) or _knows(cls, head):
             return name, cls
     if by_extension:
         return by_extension[0]
     known = ", ".join(sorted({suffix for _, cls in loaders for suffix in cls.extensions}))
     raise MapError(f"{path}: no map of a known format; known extensions: {known}")
+
+
+def _knows(cls: type[MapLoader], head: bytes) -> bool:
+    """Whether a loader knows a file's first bytes; one that fails does not."""
+    try:
+        return bool(cls.sniff(head))
+    except RAISED:
+        return False
 
 
 def _head(path: Path) -> bytes:

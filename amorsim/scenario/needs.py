@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Noise
+from amorsim.core.arguments import whole
 from amorsim.core.map import Map
 from amorsim.core.rows import stack
 from amorsim.core.trouble import RAISED
@@ -46,7 +47,7 @@ def least_bytes(body: Robot | Obstacle, dt: float | None = None) -> int:
     values = waiting = 0
     for unit in body.sensors.values():
         try:
-            size = unit.sensor.size(body.drive)
+            size = whole(unit.sensor.size(body.drive), "size()", "a whole number >= 1", least=1)
             late = 0 if dt is None else _waiting(unit, size, dt)
         except RAISED:  # said where the sensor is made
             continue

@@ -10,6 +10,7 @@ from typing import Any
 import attrs
 
 from amorsim.contracts import Drive
+from amorsim.core.arguments import whole
 from amorsim.core.errors import AmorsimError, PluginError, did_you_mean
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
@@ -189,9 +190,13 @@ def _check_sizes(node: Node, drive: Drive, sensors: Mapping[str, MountedSensor |
     for name, unit in sensors.items():
         try:
             if unit is not None:
-                unit.sensor.size(drive)
+                whole(unit.sensor.size(drive), "size()", "a whole number >= 1", least=1)
         except ParameterError as error:
-            node.child("sensors").child(name).child(error.name).fault(error.problem)
+            at = node.child("sensors").child(name)
+            if error.name == "size()":
+                at.fault(str(error))
+            else:
+                at.child(error.name).fault(error.problem)
         except RAISED as error:
             sensor = type(unit.sensor).__name__ if unit else ""
             node.child("sensors").child(name).fault(f"size() of {sensor} raised {error_in_words(error)}")

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import RobotModel, SensorModel
+from amorsim.core.arguments import whole
 from amorsim.core.errors import ComponentError
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
@@ -101,10 +102,15 @@ def poses_of(robots: Sequence[Robot]) -> npt.NDArray[np.float64]:
 
 def reading_size(robot: Robot, name: str) -> int:
     """The number of values in a reading of a robot's sensor."""
+    sensor = robot.sensors[name].sensor
+    what = f"sensor {name!r} ({type(sensor).__name__}) of robot {robot.name!r}"
     try:
-        return robot.sensors[name].sensor.size(robot.drive)
+        size: object = sensor.size(robot.drive)
     except ParameterError as error:
         raise ComponentError(f"robot {robot.name!r}: sensors.{name}.{error}") from None
     except RAISED as error:
-        what = f"sensor {name!r} ({type(robot.sensors[name].sensor).__name__}) of robot {robot.name!r}"
         raise ComponentError(f"{what}: size() raised {error_in_words(error)}") from error
+    try:
+        return whole(size, f"{what}: size()", "a whole number >= 1", least=1)
+    except ParameterError as error:
+        raise ComponentError(str(error)) from None

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from amorsim.contracts import Beliefs, Context, Draws, Estimate, Estimator, Measurement, RobotModel, State
 from amorsim.core.errors import ComponentError
 from amorsim.core.rows import stack
-from amorsim.core.trouble import RAISED
+from amorsim.core.trouble import RAISED, in_words
 from amorsim.scenario.spec import Robot
 from amorsim.simulation.beliefs import Believer, beliefs_problem, chosen
 from amorsim.simulation.blame import Whose, array_problem, is_finite
@@ -114,8 +114,17 @@ class Estimators:
         for name, estimator in self._estimators.items():
             if type(estimator).failed is Estimator.failed:
                 continue
-            failed = estimator.failed(self.states[name])
-            if failed is not None and failed.any():
+            try:
+                failed = estimator.failed(self.states[name])
+            except RAISED as error:
+                self._whose.blame(f"estimator {name!r}", estimator, error)
+            if failed is None:
+                continue
+            rows = len(self.estimates[name].pose)
+            if not isinstance(failed, np.ndarray) or failed.dtype != bool or failed.shape != (rows,):
+                problem = f"failed() gave {in_words(failed)}; expected None, or an array of bool of the shape ({rows},)"
+                raise self._whose.wrong(f"estimator {name!r}", estimator, problem)
+            if failed.any():
                 ends = getattr(estimator, "on_failure", "continue") == "end"
                 for row in np.flatnonzero(failed).tolist():
                     yield name, row, ends

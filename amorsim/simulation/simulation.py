@@ -278,9 +278,10 @@ class Simulation:
             if len(self.replicas) > 1:
                 raise AmorsimError("there are several replicas; say which one with replica=")
             return 0
-        if not isinstance(replica, int | np.integer) or replica not in self.replicas:
+        number = int(replica) if isinstance(replica, (int, np.integer)) else -1
+        if number not in self.replicas:
             raise AmorsimError(f"there is no replica {in_words(replica)}; there are {numbers_in_words(self.replicas)}")
-        return self.replicas.index(replica)
+        return self.replicas.index(number)
 
     def frames(self) -> list[Frame]:
         """The present step for recorders: all values, a frame for each group of robots that are alike at the start."""

@@ -16,7 +16,10 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Episode
+from amorsim.core.arguments import texts
 from amorsim.core.errors import AmorsimError, ComponentError, StudyError, did_you_mean
+from amorsim.core.parameters import ParameterError
+from amorsim.core.trouble import RAISED, error_in_words
 from amorsim.runs.session import RunSession
 from amorsim.scenario.read import load
 from amorsim.scenario.spec import Scenario
@@ -55,8 +58,8 @@ def run_chunk(plan: Plan, index: int, folder: str = "") -> Outcome:
         return _run(plan, plan.chunk(index), folder)
     except AmorsimError as error:
         return Outcome(index=index, error=str(error))
-    except Exception as error:  # of a user's component
-        return Outcome(index=index, error=f"{type(error).__name__}: {error}")
+    except RAISED as error:  # of a user's component
+        return Outcome(index=index, error=error_in_words(error))
 
 
 def ignore_interrupts() -> None:
@@ -90,7 +93,26 @@ def simulation_of(plan: Plan, chunk: Chunk, replicas: int | Sequence[int]) -> Si
 
 def quantities(plan: Plan) -> tuple[str, ...]:
     """The quantities that the metrics need."""
-    return tuple(dict.fromkeys(name for each in plan.metrics for name in each.metric.needs()))
+    return tuple(dict.fromkeys(name for each in plan.metrics for name in _needs(each)))
+
+
+def _needs(measured: Measured) -> tuple[str, ...]:
+    """The quantities that a metric needs.
+
+    Raises
+    ------
+    ComponentError
+        If it raises, or gives anything else than names.
+    """
+    who = f"metrics.{measured.name}: {type(measured.metric).__name__}.needs()"
+    try:
+        given = measured.metric.needs()
+    except RAISED as error:
+        raise ComponentError(f"{who} raised {error_in_words(error)}") from error
+    try:
+        return texts(given, who, "names")
+    except ParameterError as error:
+        raise ComponentError(str(error)) from None
 
 
 def robot_of(measured: Measured, names: Sequence[str]) -> str:

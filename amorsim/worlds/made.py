@@ -10,6 +10,7 @@ from amorsim.core.draws import Draws, stream_key
 from amorsim.core.errors import MapError
 from amorsim.core.map import Map
 from amorsim.core.starts import out_of_reach
+from amorsim.core.trouble import RAISED, error_in_words
 
 __all__ = ["MadeWorld", "draws_of", "make_world"]
 
@@ -47,8 +48,8 @@ def make_world(made: MadeWorld) -> Map:
         found = made.generator.generate(draws_of(made.seed, made.replica))
     except MapError as error:
         raise MapError(f"{who}: {error}") from error
-    except Exception as error:  # a third party's generator
-        raise MapError(f"{who} failed with {type(error).__name__}: {error}") from error
+    except RAISED as error:  # a third party's generator
+        raise MapError(f"{who} failed with {error_in_words(error)}") from error
     if not isinstance(found, Map):
         raise MapError(f"{who} gave {found!r}, which is no map")
     if found.start is None or out_of_reach(found, *found.start[:2]):

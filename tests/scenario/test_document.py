@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 import time
 
 import pytest
@@ -56,6 +58,14 @@ def changed(document):
     """The lines that went, and those that came."""
     before, after = TEXT.splitlines(), document.text.splitlines()
     return [line for line in before if line not in after], [line for line in after if line not in before]
+
+
+def test_a_document_is_copied_and_pickled_as_its_text(document):
+    document.set("simulation.dt", 0.05)
+    for again in (copy.copy(document), copy.deepcopy(document), pickle.loads(pickle.dumps(document))):
+        assert (again.text, again.path) == (document.text, document.path)
+        again.set("simulation.dt", 0.2)
+    assert document.get("simulation.dt") == 0.05
 
 
 def test_values_have_the_paths_of_settings(document):

@@ -206,3 +206,8 @@ def test_an_item_of_a_list_that_nobody_said_is_changed_in_its_default(read):
     assert changed == (values[0], 700.0, *values[2:])
     with pytest.raises(ScenarioError, match=f"there is no '99' among these, but {len(values)} of them"):
         read(khepera, "robots.0.sensors.infrared.values.99=700.0")
+
+
+def test_an_item_of_a_list_that_is_empty_is_a_fault(read):
+    with pytest.raises(ScenarioError, match=r"obstacles.0: there is no '0' among these, but 0 of them"):
+        read(TWO, "obstacles.0.name=box")
