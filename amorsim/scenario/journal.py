@@ -22,15 +22,16 @@ class Journal:
 
     @contextlib.contextmanager
     def changing(self) -> Iterator[None]:
-        """What changes within it is one step of `undo`; if it raises, nothing has changed."""
+        """What changes within it is one step of `undo`, if anything does; if it raises, nothing has changed."""
         log = self._editor.log = []
+        before = self._editor.statements.copy()
         try:
             yield
         except BaseException:
             for splice in reversed(log):
                 self._editor.apply(splice, back=True)
             raise
-        if log:
+        if log and self._editor.statements != before:
             self._done.append(log)
             self._undone.clear()
 

@@ -170,6 +170,17 @@ def test_undo_and_redo_go_through_all_changes(document):
     assert not document.redo(), "what was taken back is gone once something else has changed"
 
 
+def test_what_leaves_the_text_as_it_was_is_no_step(tmp_path):
+    document = am.Document("a = [0, 0]\n", tmp_path / "one.toml")
+    document.move("a.0", 1)
+    assert not document.undo()
+    document.set("a", [0, 1])
+    document.undo()
+    document.move("a.0", 1)
+    assert document.redo()
+    assert document.text == "a = [0, 1]\n"
+
+
 @pytest.mark.parametrize(
     ("do", "words"),
     [
