@@ -262,8 +262,7 @@ def turns_back_later(state: State) -> npt.NDArray[np.bool_]:
     legs = np.diff(state["path"], axis=1)
     point = np.arange(1, PLACES - 1)
     ahead = (point > state["leg"][:, None]) & (point < state["count"][:, None] - 1)
-    found: npt.NDArray[np.bool_] = (turn_back(legs[:, 1:], legs[:, :-1]) & ahead).any(axis=1, keepdims=True)
-    return found
+    return np.asarray((turn_back(legs[:, 1:], legs[:, :-1]) & ahead).any(axis=1, keepdims=True), dtype=np.bool_)
 
 
 def polyline(poses: Array) -> Array:
