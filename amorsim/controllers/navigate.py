@@ -25,7 +25,7 @@ from amorsim.contracts import (
 from amorsim.controllers.avoider import Avoider, body_of, sight_of, start_sight
 from amorsim.controllers.driving import Course
 from amorsim.controllers.dwa import Dwa
-from amorsim.controllers.planning import STATUSES, Ways, keep_searched, lay_path, no_path
+from amorsim.controllers.planning import STATUSES, Ways, keep_searched, lay_path, no_path, turns_back_later
 from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import ParameterError
 from amorsim.kernels.avoidance.guide import Guide
@@ -235,6 +235,9 @@ class Navigate(Controller):
         """Go on to the next goal where one is reached."""
         off = self._goal(state) - pose[:, :2]
         there = (state["mode"] < ARRIVED) & (np.sqrt(off[:, :1] ** 2 + off[:, 1:] ** 2) <= self.tolerance)
+        if there.any() and self.planner.plans_headings:
+            # A path that only passes the goal comes back to it with the right heading.
+            there &= (state["status"] != 0) | ~turns_back_later(state)
         if there.any():
             state["news"] = np.where(there, 1 + state["goal"], state["news"])
             self._next(there, ARRIVED, pose, time, state)

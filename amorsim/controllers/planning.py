@@ -11,13 +11,24 @@ import numpy.typing as npt
 from amorsim.algorithms.cells import Cells, free_cells
 from amorsim.algorithms.speed_profile import pieces_of
 from amorsim.contracts import Beliefs, Plan, Planner, RobotModel, State
+from amorsim.controllers.pursuit import turn_back
 from amorsim.core.errors import PlanError
 from amorsim.core.estimated_map import estimated_map
 from amorsim.core.map import Map
 from amorsim.core.shapes import Shape
 from amorsim.kernels.avoidance.memory import Window
 
-__all__ = ["PLACES", "STATUSES", "Answer", "Ways", "keep_searched", "lay_path", "no_path", "polyline"]
+__all__ = [
+    "PLACES",
+    "STATUSES",
+    "Answer",
+    "Ways",
+    "keep_searched",
+    "lay_path",
+    "no_path",
+    "polyline",
+    "turns_back_later",
+]
 
 Array = npt.NDArray[np.float64]
 
@@ -244,6 +255,14 @@ def lay_path(points: Array, row: int, state: State) -> None:
     state["along"][row, : len(kept)] = np.concatenate(([0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1]))))
     state["count"][row] = len(kept)
     state["leg"][row] = 0
+
+
+def turns_back_later(state: State) -> npt.NDArray[np.bool_]:
+    """Whether the path of each robot `(N, 1)` changes direction between where it is and its end."""
+    legs = np.diff(state["path"], axis=1)
+    point = np.arange(1, PLACES - 1)
+    ahead = (point > state["leg"][:, None]) & (point < state["count"][:, None] - 1)
+    return np.asarray((turn_back(legs[:, 1:], legs[:, :-1]) & ahead).any(axis=1, keepdims=True), dtype=np.bool_)
 
 
 def polyline(poses: Array) -> Array:

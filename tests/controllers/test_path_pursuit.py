@@ -25,12 +25,13 @@ def path_with_a_cusp():
 
 @attrs.frozen(kw_only=True)
 class ByHand(am.Planner):
-    """A planner with headings whose answer is always the path above."""
+    """A planner with headings whose answer is always the same; by default the path above."""
 
     plans_headings = True
+    poses: tuple[tuple[float, float, float], ...] = tuple(map(tuple, path_with_a_cusp().tolist()))
 
     def plan(self, world, start, goal, *, footprint=None):
-        return am.Plan(status="found", poses=path_with_a_cusp(), length=1.0 + 0.5 * math.pi + 2.0)
+        return am.Plan(status="found", poses=np.array(self.poses), length=1.0 + 0.5 * math.pi + 2.0)
 
 
 def navigator(**changes):
@@ -52,6 +53,16 @@ def test_it_changes_direction_where_the_path_does_and_backs_to_the_goal():
     x, y, heading = simulation.true_pose[0]
     assert math.dist((x, y), (2.0, -1.0)) < 0.1
     assert heading == pytest.approx(0.5 * math.pi, abs=0.1)
+
+
+def test_a_goal_is_not_reached_where_the_path_only_passes_it():
+    """The path leads over the goal, and comes back to it from the other side."""
+    poses = tuple((x, 0.0, 0.0) for x in (0.0, 0.5, 1.0, 1.5, 2.0, 1.5, 1.0))
+    simulation = simulate([make(navigator(goals=((1.0, 0.0),), planner=ByHand(poses=poses)))], duration=12.0)
+    assert said(simulation) == [("rover", "goal_reached", "1 of 1")]
+    (reached,) = (event for event in simulation.events if event.kind == "report")
+    assert reached.time > 5.0  # 3 m at 0.5 m/s
+    assert simulation.true_pose[0, 0] == pytest.approx(1.0, abs=0.06)
 
 
 def test_it_brakes_before_what_it_sees_on_its_path():
