@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ from amorsim.core.errors import PluginError, did_you_mean
 from amorsim.core.reading import no_such_file, read_bytes, reason
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.faults import Book, Branch, Node, Source, shown
+from amorsim.scenario.layout import copied_tables
 from amorsim.scenario.written import Written, read_written
 
 __all__ = [
@@ -92,12 +92,13 @@ def merge_models(document: dict[str, Any], book: Book, registry: Registry) -> No
     robots = document.get("robots")
     if not isinstance(robots, list):
         return
+    known: Known = {}
     for index, robot in enumerate(robots):
         if not isinstance(robot, dict):
             continue
         node = Node(robot, ("robots", str(index)), book)
         if "model" in robot:
-            layers = _read_layers(node.child("model"), "robot", registry)
+            layers = _known_layers(node.child("model"), "robot", registry, known)
             name = robot.pop("model")
             if "resolved_from" in robot:
                 node.child("resolved_from").fault("a resolved robot has no model; leave one of the two out")
@@ -107,7 +108,7 @@ def merge_models(document: dict[str, Any], book: Book, registry: Registry) -> No
                 robot["resolved_from"] = name
                 _check_removals(layers, node)
                 robots[index] = _merged(layers, node)
-        _merge_devices(Node(robots[index], node.path, book), registry)
+        _merge_devices(Node(robots[index], node.path, book), registry, known)
 
 
 def _check_removals(layers: Sequence[Layer], robot: Node) -> None:
@@ -123,7 +124,7 @@ def _check_removals(layers: Sequence[Layer], robot: Node) -> None:
                 )
 
 
-def _merge_devices(robot: Node, registry: Registry) -> None:
+def _merge_devices(robot: Node, registry: Registry, known: Known) -> None:
     """Put devices under the sensors that have one of them as their model."""
     sensors = robot.value.get("sensors")
     if not isinstance(sensors, dict):
@@ -132,7 +133,7 @@ def _merge_devices(robot: Node, registry: Registry) -> None:
         if not isinstance(sensor, dict) or "model" not in sensor:
             continue
         node = robot.child("sensors").child(name)
-        layers = _read_layers(node.child("model"), "device", registry)
+        layers = _known_layers(node.child("model"), "device", registry, known)
         if layers is None:
             # The sensor is not to blame for missing what the device would have said.
             del sensors[name]
@@ -143,6 +144,7 @@ def _merge_devices(robot: Node, registry: Registry) -> None:
 
 
 Layer = tuple[Source, dict[str, Any]]
+Known = dict[tuple[str, str, Path], list[Layer]]  # by the kind and the name of a model, and the folder it is named in
 
 _WORDS = {"robot": "a robot model", "device": "a device"}
 
@@ -156,6 +158,18 @@ def read_layers(source: str, kind: str, registry: Registry) -> tuple[Book, dict[
     node = Node({}, (), book)
     layers = _read_layers(Node(source, ("model",), book), kind, registry)
     return book, None if layers is None or book.count else _merged(layers, node)
+
+
+def _known_layers(node: Node, kind: str, registry: Registry, known: Known) -> list[Layer] | None:
+    """What `_read_layers` gives, which is read once for all robots that name the same sound file."""
+    key = (kind, node.value, node.folder) if isinstance(node.value, str) else None
+    if key is not None and key in known:
+        return known[key]
+    before = node.book.count
+    layers = _read_layers(node, kind, registry)
+    if key is not None and layers is not None and node.book.count == before:
+        known[key] = layers
+    return layers
 
 
 def _read_layers(node: Node, kind: str, registry: Registry, seen: tuple[Path, ...] = ()) -> list[Layer] | None:
@@ -206,7 +220,7 @@ def _merged(layers: list[Layer], node: Node) -> dict[str, Any]:
     merged: dict[str, Any] = {}
     for source, values in layers:
         alone = Book(attrs.evolve(source, depth=len(node.path)))
-        _merge(merged, copy.deepcopy(values), node.path, alone.branch, node.book)
+        _merge(merged, copied_tables(values), node.path, alone.branch, node.book)
     _merge(merged, node.value, node.path, before.branch, node.book)
     return merged
 
