@@ -1,4 +1,4 @@
-"""Robots and obstacles of another program's file that differ in name and pose alone: one of them is read."""
+"""Robots and obstacles that differ in name and pose alone: where a book shares them, one of them is read."""
 
 from __future__ import annotations
 
@@ -7,33 +7,47 @@ from typing import TypeVar
 
 import attrs
 
+from amorsim.core.parameters import ParameterError
 from amorsim.plugins.checks import check_name
 from amorsim.scenario.bodies import read_pose
 from amorsim.scenario.faults import Node
 from amorsim.scenario.spec import Obstacle, Robot
 
-__all__ = ["Alike"]
+__all__ = ["read_alike"]
 
 Body = TypeVar("Body", Robot, Obstacle)
 
 
-class Alike:
-    """Bodies that were read, by all that their tables say but for name and pose."""
+def read_alike(node: Node, read: Callable[[Node], Body | None]) -> Body | None:
+    """The body in a table, by `read` if its book knows none like it yet."""
+    known = node.book.alike
+    key = _key(node)
+    if key not in known:
+        found = read(node)
+        if found is not None and key is not None:
+            known[key] = found
+        return found
+    pose = read_pose(node.child("pose"))
+    if pose is None:
+        return None
+    body: Body = known[key]
+    try:
+        return attrs.evolve(body, name=node.value["name"], pose=pose)
+    except ParameterError:  # of something that the pose has to suit
+        return read(node)
 
-    def __init__(self) -> None:
-        self._known: dict[str, Robot | Obstacle] = {}
 
-    def read(self, node: Node, read: Callable[[Node], Body | None]) -> Body | None:
-        """The body in a table, by `read` if there is none like it yet."""
-        own = node.value if node.is_table and node.book.is_foreign else {}
-        if not ({"name", "pose"} <= set(own) and isinstance(own["pose"], dict) and not check_name(own["name"])):
-            return read(node)
-        rest = repr({key: value for key, value in own.items() if key not in ("name", "pose")})
-        known = self._known.get(rest)
-        if known is None:
-            found = read(node)
-            if found is not None:
-                self._known[rest] = found
-            return found
-        pose = read_pose(node.child("pose"))
-        return None if pose is None else attrs.evolve(known, name=own["name"], pose=pose)  # type: ignore[return-value]
+def _key(node: Node) -> str | None:
+    """What tables have in common that mean the same but for name and pose; None if this one is to be read by itself."""
+    book, own = node.book, node.value
+    if not (node.is_table and book.shares_alike and node.path not in book.incomplete):
+        return None
+    if not ({"name", "pose"} <= set(own) and isinstance(own["pose"], dict) and not check_name(own["name"])):
+        return None
+    errors = own.get("errors")
+    if "motion" in own or (isinstance(errors, dict) and "pose" in errors):
+        return None
+    rest = {key: value for key, value in own.items() if key not in ("name", "pose")}
+    branch = book.branch(node.path)  # the same words mean other files in a model of another folder
+    below = sorted((key, repr(one)) for key, one in branch.below.items() if key in rest)
+    return repr((node.path[0], rest, branch.source, below))

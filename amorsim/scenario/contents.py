@@ -12,7 +12,7 @@ import attrs
 from amorsim.core.errors import MapError
 from amorsim.core.map import Map
 from amorsim.plugins.registry import Registry
-from amorsim.scenario.alike import Alike
+from amorsim.scenario.alike import read_alike
 from amorsim.scenario.components import read_recording
 from amorsim.scenario.faults import Book, Node, Source
 from amorsim.scenario.fields import file_fields, read_component, read_fields
@@ -111,13 +111,12 @@ def _read_bodies(
     others: list[Obstacle] = []
     stand: list[Placed] = []
     names: dict[tuple[str, ...], list[str]] = {}
-    same_robots, same_obstacles = Alike(), Alike()
     if robots.value is None or robots.value == []:
         robots.fault("missing; expected one robot at least, [[robots]] with name, model and controller")
     elif robots.expect_list("a list of tables, [[robots]]"):
         for node in robots.items():
             drop_removed(node.value)
-            robot = same_robots.read(node, lambda node: read_robot(node, maps, world, registry, marks))
+            robot = read_alike(node, lambda node: read_robot(node, maps, world, registry, marks))
             if robot is not None and world is not None and not {"pose", "start"} & set(node.value):
                 robot = _put(node, robot, world, is_map_alone)
             series = read_series(node, robot, world)
@@ -126,7 +125,7 @@ def _read_bodies(
             stand += placed(node, series) if node.is_table else []
     if obstacles.value is not None and obstacles.expect_list("a list of tables, [[obstacles]]"):
         for number, node in enumerate(obstacles.items(), start=1):
-            obstacle = same_obstacles.read(node, functools.partial(read_obstacle, number=number, registry=registry))
+            obstacle = read_alike(node, functools.partial(read_obstacle, number=number, registry=registry))
             bodies = read_series(node, obstacle, world)
             others += bodies
             names[node.path] = [one.name for one in bodies]

@@ -27,7 +27,7 @@ from amorsim.scenario.mistaken import SCENARIO_PATH, mistaken
 from amorsim.scenario.names_in_lists import index_of
 from amorsim.scenario.origins import Origin, Origins, kind_of
 from amorsim.scenario.other_files import scenario_of_other
-from amorsim.scenario.partial import Partial, read_partial
+from amorsim.scenario.partial import Partial, read_partial, whole_of
 from amorsim.scenario.resolved import resolved_table
 from amorsim.scenario.setting import Setter
 from amorsim.scenario.spec import Scenario
@@ -305,7 +305,7 @@ class Document:
         DocumentError
             If it is a model or a device.
         """
-        looked = self._look()
+        looked = self._look(shares_alike=False)
         if looked.faults:
             raise ScenarioError(looked.faults, looked.book.warnings)
         if looked.scenario is None:
@@ -323,6 +323,8 @@ class Document:
     def partial(self) -> Partial:
         """What can be read of the document whatever faults it has, to show it; nothing of a user's runs."""
         looked = self._look()
+        if looked.scenario is not None:
+            return whole_of(looked.values)
         return read_partial(looked.merged, looked.book, self._registry, looked.maps, looked.faults)
 
     def files(self) -> tuple[Path, ...]:
@@ -331,8 +333,8 @@ class Document:
         named = (here / file.name for file in named_files(self._editor.values, self._registry, here))
         return tuple(dict.fromkeys([self._path.absolute(), *named]))
 
-    def _look(self) -> Meaning:
-        return read_meaning(self._written(), self._path, self._registry)
+    def _look(self, *, shares_alike: bool = True) -> Meaning:
+        return read_meaning(self._written(), self._path, self._registry, shares_alike=shares_alike)
 
     def _written(self) -> Written:
         if self._has_bad_lines:  # they may stand elsewhere by now

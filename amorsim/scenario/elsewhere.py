@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,7 +14,7 @@ from amorsim.scenario.copies import Copies
 from amorsim.scenario.faults import Book, Node
 from amorsim.scenario.field_at import field_at
 from amorsim.scenario.fields import read_component
-from amorsim.scenario.layout import Path_, found_at
+from amorsim.scenario.layout import Path_, copied_tables, found_at
 from amorsim.scenario.maps import MapFile, find_loader
 
 __all__ = ["NamedFile", "copied", "named_files", "near", "renamed"]
@@ -86,7 +85,7 @@ def renamed(values: dict[str, Any], registry: Registry, here: Path, folder: Path
     RunError
         If no relative path leads from there to one of the files.
     """
-    found = copy.deepcopy(values)
+    found: dict[str, Any] = copied_tables(values)
     for named in named_files(values, registry, here):
         holder = found_at(found, named.at[:-1])
         file = Path(os.path.abspath(here / named.name))  # noqa: PTH100 - a link keeps the name that it was given

@@ -67,6 +67,10 @@ class Book:
         """The lines of another program's file that say what is at a path."""
         self.is_foreign = False
         """Whether this is another program's file, so that a robot without a pose goes where there is room."""
+        self.shares_alike = False
+        """Whether of robots and obstacles that differ in name and pose alone one is read, as to look at them."""
+        self.alike: dict[str, Any] = {}
+        """Those that were read."""
 
     @classmethod
     def silent(cls) -> Book:
@@ -78,6 +82,7 @@ class Book:
         other = Book.silent()
         other._root = self._root.copy()
         other.has_lost_lines = self.has_lost_lines
+        other.shares_alike, other.alike = self.shares_alike, self.alike
         other.document = document
         return other
 

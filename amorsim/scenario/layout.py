@@ -7,13 +7,20 @@ from typing import Any
 
 from amorsim.scenario.statements import Statement
 
-__all__ = ["MISSING", "Layout", "Path_", "changed", "found_at", "inserted", "without"]
+__all__ = ["MISSING", "Layout", "Path_", "changed", "copied_tables", "found_at", "inserted", "without"]
 
 Path_ = tuple[str | int, ...]
 """Keys of tables, and numbers of the items of lists."""
 
 MISSING: Any = object()
 """What is at a path where nothing is."""
+
+
+def copied_tables(value: Any) -> Any:
+    """A copy of tables and lists, however deep, in a fraction of the time that `copy.deepcopy` takes."""
+    if isinstance(value, dict):
+        return {key: copied_tables(item) for key, item in value.items()}
+    return [copied_tables(item) for item in value] if isinstance(value, list) else value
 
 
 class Layout:

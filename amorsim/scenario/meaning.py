@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,6 +12,7 @@ from amorsim.core.parameters import ParameterError
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.contents import book_of, read_values
 from amorsim.scenario.faults import Book
+from amorsim.scenario.layout import copied_tables
 from amorsim.scenario.lines import with_lines
 from amorsim.scenario.model_files import check_model, read_model
 from amorsim.scenario.models import merge_models
@@ -30,15 +30,20 @@ class Meaning(NamedTuple):
     book: Book
     maps: Maps
     merged: dict[str, Any]  # its tables, with those of the models
+    values: dict[str, Any]  # what a scenario is made with; nothing of a model or a device
     scenario: Scenario | None  # none if there are faults
     faults: tuple[Fault, ...]
 
 
-def read_meaning(written: Written, path: Path, registry: Registry) -> Meaning:
-    """All that a file at a path says, read and checked."""
+def read_meaning(written: Written, path: Path, registry: Registry, *, shares_alike: bool) -> Meaning:
+    """All that a file at a path says, read and checked.
+
+    With `shares_alike`, of robots that differ in name and pose alone one is read; they share their components then.
+    """
     book = book_of(written, path)
+    book.shares_alike = shares_alike
     maps = Maps(registry)
-    tables = copy.deepcopy(lifted(written.values))
+    tables = copied_tables(lifted(written.values))
     kind = kind_of(written.values)
     values: dict[str, Any] = {}
     if kind == "scenario":
@@ -57,4 +62,4 @@ def read_meaning(written: Written, path: Path, registry: Registry) -> Meaning:
         except ParameterError as error:
             book.fault((error.name,), error.problem)
     faults = with_lines(book.faults, {str(path): written})
-    return Meaning(book, maps, tables, scenario, tuple(faults))
+    return Meaning(book, maps, tables, values, scenario, tuple(faults))

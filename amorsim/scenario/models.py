@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import copy
-import functools
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -14,6 +12,7 @@ from amorsim.core.errors import PluginError, did_you_mean
 from amorsim.core.reading import no_such_file, read_bytes, reason
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.faults import Book, Branch, Node, Source, shown
+from amorsim.scenario.layout import copied_tables
 from amorsim.scenario.written import Written, read_written
 
 __all__ = [
@@ -46,7 +45,6 @@ MODEL_KEYS = (
     "errors",
     *LOOKS,
 )
-Read = Callable[[Path], dict[str, Any] | str]
 ERROR_KEYS = {"scale", "add", "value", "per", "normal", "uniform"}  # keys of an error, no path of which ends so
 # What a robot has several of by name, and can be rid of with ``NAME = false``.
 _NAMED = ("sensors", "estimators")
@@ -94,13 +92,13 @@ def merge_models(document: dict[str, Any], book: Book, registry: Registry) -> No
     robots = document.get("robots")
     if not isinstance(robots, list):
         return
-    read = functools.cache(read_toml)  # many robots are of the same model
+    known: Known = {}
     for index, robot in enumerate(robots):
         if not isinstance(robot, dict):
             continue
         node = Node(robot, ("robots", str(index)), book)
         if "model" in robot:
-            layers = _read_layers(node.child("model"), "robot", registry, read)
+            layers = _known_layers(node.child("model"), "robot", registry, known)
             name = robot.pop("model")
             if "resolved_from" in robot:
                 node.child("resolved_from").fault("a resolved robot has no model; leave one of the two out")
@@ -110,7 +108,7 @@ def merge_models(document: dict[str, Any], book: Book, registry: Registry) -> No
                 robot["resolved_from"] = name
                 _check_removals(layers, node)
                 robots[index] = _merged(layers, node)
-        _merge_devices(Node(robots[index], node.path, book), registry, read)
+        _merge_devices(Node(robots[index], node.path, book), registry, known)
 
 
 def _check_removals(layers: Sequence[Layer], robot: Node) -> None:
@@ -126,7 +124,7 @@ def _check_removals(layers: Sequence[Layer], robot: Node) -> None:
                 )
 
 
-def _merge_devices(robot: Node, registry: Registry, read: Read) -> None:
+def _merge_devices(robot: Node, registry: Registry, known: Known) -> None:
     """Put devices under the sensors that have one of them as their model."""
     sensors = robot.value.get("sensors")
     if not isinstance(sensors, dict):
@@ -135,7 +133,7 @@ def _merge_devices(robot: Node, registry: Registry, read: Read) -> None:
         if not isinstance(sensor, dict) or "model" not in sensor:
             continue
         node = robot.child("sensors").child(name)
-        layers = _read_layers(node.child("model"), "device", registry, read)
+        layers = _known_layers(node.child("model"), "device", registry, known)
         if layers is None:
             # The sensor is not to blame for missing what the device would have said.
             del sensors[name]
@@ -146,6 +144,7 @@ def _merge_devices(robot: Node, registry: Registry, read: Read) -> None:
 
 
 Layer = tuple[Source, dict[str, Any]]
+Known = dict[tuple[str, str, Path], list[Layer]]  # by the kind and the name of a model, and the folder it is named in
 
 _WORDS = {"robot": "a robot model", "device": "a device"}
 
@@ -157,13 +156,23 @@ def read_layers(source: str, kind: str, registry: Registry) -> tuple[Book, dict[
     """
     book = Book(Source(file="", folder=Path()))
     node = Node({}, (), book)
-    layers = _read_layers(Node(source, ("model",), book), kind, registry, read_toml)
+    layers = _read_layers(Node(source, ("model",), book), kind, registry)
     return book, None if layers is None or book.count else _merged(layers, node)
 
 
-def _read_layers(
-    node: Node, kind: str, registry: Registry, read: Read, seen: tuple[Path, ...] = ()
-) -> list[Layer] | None:
+def _known_layers(node: Node, kind: str, registry: Registry, known: Known) -> list[Layer] | None:
+    """What `_read_layers` gives, which is read once for all robots that name the same sound file."""
+    key = (kind, node.value, node.folder) if isinstance(node.value, str) else None
+    if key is not None and key in known:
+        return known[key]
+    before = node.book.count
+    layers = _read_layers(node, kind, registry)
+    if key is not None and layers is not None and node.book.count == before:
+        known[key] = layers
+    return layers
+
+
+def _read_layers(node: Node, kind: str, registry: Registry, seen: tuple[Path, ...] = ()) -> list[Layer] | None:
     """What a file says without what a model has at its top, after all that it builds on."""
     name = node.text(f"the name of {_WORDS[kind]}, or the path of its .toml file")
     if name is None:
@@ -176,7 +185,7 @@ def _read_layers(
         except PluginError as error:
             node.fault(str(error))
             return None
-    model = read(path)
+    model = read_toml(path)
     if isinstance(model, str):
         node.fault(f"the model {path}: {model}")
         return None
@@ -194,7 +203,7 @@ def _read_layers(
         top.child("description").text("a text")
     layers: list[Layer] | None = []
     if "model" in model:
-        layers = _read_layers(top.child("model"), kind, registry, read, (*seen, path.resolve()))
+        layers = _read_layers(top.child("model"), kind, registry, (*seen, path.resolve()))
     for fault in alone.faults:
         node.book.add(fault)
     if layers is None:
@@ -211,7 +220,7 @@ def _merged(layers: list[Layer], node: Node) -> dict[str, Any]:
     merged: dict[str, Any] = {}
     for source, values in layers:
         alone = Book(attrs.evolve(source, depth=len(node.path)))
-        _merge(merged, copy.deepcopy(values), node.path, alone.branch, node.book)
+        _merge(merged, copied_tables(values), node.path, alone.branch, node.book)
     _merge(merged, node.value, node.path, before.branch, node.book)
     return merged
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Iterable
 from typing import Any
 
@@ -20,7 +19,7 @@ from amorsim.scenario.floor import Floor
 from amorsim.scenario.spec import Landmark, Light, Obstacle, Pose, Recording, Robot, Scenario, Zone
 from amorsim.scenario.worlds import Maps
 
-__all__ = ["Outline", "Partial", "read_partial"]
+__all__ = ["Outline", "Partial", "read_partial", "whole_of"]
 
 # Of a robot, each of these is a part that it can be shown without; a sensor or an estimator too.
 _NAMED = ("sensors", "estimators")
@@ -61,22 +60,34 @@ class Partial:
 
 
 def read_partial(
-    merged: dict[str, Any], book: Book, registry: Registry, maps: Maps, faults: Iterable[Fault]
+    tables: dict[str, Any], book: Book, registry: Registry, maps: Maps, faults: Iterable[Fault]
 ) -> Partial:
-    """What can be read of tables that models were merged into; `book` knows where they came from."""
-    tables = copy.deepcopy(merged)
+    """What can be read of tables that models were merged into; `book` knows where they came from.
+
+    What is at fault is taken out of the tables.
+    """
     whole: set[Path_] = set()  # the bodies of which nothing but an outline is left
     is_left_out = True
     while is_left_out:  # a part less each time
         silent = book.again(tables)
-        # A copy, for reading leaves out what is false.
-        values = read_top(Node(copy.deepcopy(tables), (), silent), registry, maps, False, False)
+        # Copies of robots, from which reading leaves out what is false.
+        robots = tables.get("robots")
+        copies = [dict(one) if isinstance(one, dict) else one for one in robots] if isinstance(robots, list) else robots
+        values = read_top(Node({**tables, "robots": copies}, (), silent), registry, maps, False, False)
         parts = {part for path in silent.places if (part := _part(path, whole))}
         is_left_out = sum(_leave_out(tables, part) for part in sorted(parts)) > 0
+    return _partial(values, faults, [outline for path in sorted(whole) if (outline := _outline(tables, path))])
+
+
+def whole_of(values: dict[str, Any]) -> Partial:
+    """What was read of a scenario without faults, as `read_top` gave it."""
+    return _partial(values, (), ())
+
+
+def _partial(values: dict[str, Any], faults: Iterable[Fault], outlines: Iterable[Outline]) -> Partial:
     known = attrs.fields_dict(Partial)
     found = {name: value for name, value in values.items() if name in known and value is not None}
     found = {name: tuple(value) if isinstance(value, list) else value for name, value in found.items()}
-    outlines = [outline for path in sorted(whole) if (outline := _outline(tables, path))]
     return Partial(**found, faults=tuple(faults), outlines=tuple(outlines))
 
 

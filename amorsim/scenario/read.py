@@ -99,6 +99,7 @@ def _find(
         document = read_foreign(path, *found, options)
         book = Book(Source(file=str(path), folder=path.parent))
         book.remarks, book.lines, book.is_foreign = document.remarks, document.lines, True
+        book.shares_alike = True
         return path, book, overridden(document.tables, path, overrides, book, registry)
     written = read_file(path)
     if isinstance(written, str):
