@@ -1,4 +1,4 @@
-"""Comparing the text files of two runs, and naming the first difference."""
+"""Comparing the text files of two runs, and the arrays of their beliefs, and naming the first difference."""
 
 from __future__ import annotations
 
@@ -6,11 +6,15 @@ import csv
 import filecmp
 import itertools
 import math
-from collections.abc import Iterator
+import zipfile
+import zlib
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import TextIO
+from typing import Any, TextIO
 
 import attrs
+import numpy as np
+import numpy.typing as npt
 
 from amorsim.core.errors import RunError
 from amorsim.runs.tables import LONGEST_LINE, check_file
@@ -30,7 +34,7 @@ class Difference:
     """
 
     file: str
-    line: int
+    line: int  # 0 in a file of arrays
     time: float  # [s]; inf where no line holds a time
     tick: int | None
     replica: str
@@ -44,13 +48,15 @@ class Difference:
         when = "" if self.tick is None else f"at tick {self.tick} ({self.time:g} s), "
         whose = f"replica {self.replica}, " if self.replica else ""
         whose += f"robot {self.robot!r}, " if self.robot else ""
-        return f"{when}{whose}in {self.file}, line {self.line}: {self.column} was {self.old} and is {self.new}"
+        where = f"{self.file}, line {self.line}" if self.line else self.file
+        return f"{when}{whose}in {where}: {self.column} was {self.old} and is {self.new}"
 
 
 def first_difference(before: Path, after: Path, dt: float) -> Difference | None:
-    """The earliest difference between the text files of two runs' folders; None if they agree to the letter.
+    """The earliest difference between the results in two runs' folders; None if they agree to the letter.
 
-    Of differences at one time, commands count as first, then readings, because these cause the others.
+    Results are text files and arrays of beliefs. Of differences at one time, commands count as first, then readings,
+    because these cause the others.
 
     Raises
     ------
@@ -60,6 +66,7 @@ def first_difference(before: Path, after: Path, dt: float) -> Difference | None:
     names = sorted({path.relative_to(folder).as_posix() for folder in (before, after) for path in _tables(folder)})
     names.sort(key=_rank)
     found = [_difference(before / name, after / name, name, dt) for name in names]
+    found += [_array_difference(before / name, after / name, name, dt) for name in _array_files(before, after)]
     differences = [difference for difference in found if difference is not None]
     if not differences:
         return None
@@ -69,6 +76,83 @@ def first_difference(before: Path, after: Path, dt: float) -> Difference | None:
 
 def _tables(folder: Path) -> list[Path]:
     return [path for part in ("", "sensors/", "estimates/", "beliefs/") for path in folder.glob(f"{part}*.csv")]
+
+
+def _array_files(*folders: Path) -> list[str]:
+    found = {path.relative_to(folder).as_posix() for folder in folders for path in folder.glob("beliefs/*/*.npz")}
+    return sorted(found, key=lambda name: (name.rpartition("/")[2], name))
+
+
+def _array_difference(old: Path, new: Path, name: str, dt: float) -> Difference | None:
+    """The first difference between two files of arrays, that of the recorder `arrays`."""
+    digits = old.stem.partition("-")[0]
+    tick = int(digits) if digits.isdecimal() else None
+
+    def of(
+        column: str, was: str, now: str, *, is_small: bool = False, replica: str = "", robot: str = ""
+    ) -> Difference:
+        time = math.inf if tick is None else tick * dt
+        return Difference(
+            file=name,
+            line=0,
+            time=time,
+            tick=tick,
+            replica=replica,
+            robot=robot,
+            column=column,
+            old=was,
+            new=now,
+            is_small=is_small,
+        )
+
+    if not old.exists() or not new.exists():
+        return of("the file", *(("there", "not there") if old.exists() else ("not there", "there")))
+    try:
+        if filecmp.cmp(old, new, shallow=False):
+            return None
+        made, kept = _contents(new), _contents(old)
+        if made != kept:  # and a file that unfolds to more than there can be is not read
+            return of("the file", f"of {_short(', '.join(kept))}", f"of {_short(', '.join(made))}")
+        with np.load(old) as was, np.load(new) as now:
+            return _first_number(dict(was), dict(now), of)
+    except (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+        return of("the file", f"damaged ({error})", "not")
+
+
+def _contents(path: Path) -> dict[str, int]:
+    """The arrays of a file by name, with their sizes [bytes]."""
+    with zipfile.ZipFile(path) as file:
+        return {part.filename.removesuffix(".npy"): part.file_size for part in file.infolist()}
+
+
+def _first_number(
+    was: Mapping[str, npt.NDArray[Any]], now: Mapping[str, npt.NDArray[Any]], of: Callable[..., Difference]
+) -> Difference | None:
+    """The first number that differs, and whether all that do are close; of arrays of the same names."""
+    first: Difference | None = None
+    for key, new in now.items():
+        old = was[key]
+        if old.shape != new.shape or old.dtype != new.dtype:
+            return of(key, f"{old.dtype}{list(old.shape)}", f"{new.dtype}{list(new.shape)}")
+        unequal = old != new
+        if new.dtype.kind == "f":
+            unequal &= ~(np.isnan(old) & np.isnan(new))
+        if not unequal.any():
+            continue
+        place = tuple(int(i[0]) for i in np.nonzero(unequal))
+        is_small = all(_is_close(str(a), str(b)) for a, b in zip(old[unequal], new[unequal], strict=True))
+        here = of(
+            key + "".join(f"_{i}" for i in place[1:]),
+            str(old[place]),
+            str(new[place]),
+            is_small=is_small,
+            replica=str(now["replica"][place[0]]) if "replica" in now else "",
+            robot=str(now["robot"][place[0]]) if "robot" in now else "",
+        )
+        first = first or here
+        if not is_small:
+            return attrs.evolve(first, is_small=False)
+    return first
 
 
 def _rank(name: str) -> int:

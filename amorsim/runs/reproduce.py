@@ -53,7 +53,7 @@ class Outcome:
 def reproduce(folder: str | os.PathLike[str], *, progress: Callable[[float], None] | None = None) -> Outcome:
     """Run the content of a run's folder again: its scenario, its recorded commands by hand, its live changes.
 
-    It compares the digests of all exact results, and all text files line by line.
+    It compares the digests of all exact results, all text files line by line, and all arrays of beliefs.
 
     Parameters
     ----------

@@ -6,10 +6,12 @@ import json
 from pathlib import Path
 from typing import Any
 
+import attrs
 import numpy as np
 import pytest
 
 import amorsim as am
+from amorsim.recorders.arrays import Arrays
 from tests.studies import make_study
 
 
@@ -136,6 +138,30 @@ def test_a_result_that_was_changed_after_the_run_is_found(folder: Path, name: st
     assert "a file was changed after the run" in outcome.difference
     assert f"in {name}, line 8" in outcome.difference
     assert outcome.tick == 6
+
+
+@pytest.mark.parametrize("is_text", [True, False])
+def test_beliefs_are_kept_and_compared(tmp_path: Path, is_text: bool) -> None:
+    also = [Arrays(every=0.2)]
+    scenario = attrs.evolve(am.load("landmarks"), recording=am.Recording(picture=False, also=also), resolved=None)
+    folder = am.run(scenario, tmp_path / "run", duration=0.4).folder
+    assert am.reproduce(folder).is_same
+    if is_text:
+        path = folder / "beliefs" / "ekf.csv"
+        *lines, last = path.read_text().splitlines()
+        cells = last.split(",")
+        column = lines[0].split(",").index("landmarks_used_0")
+        cells[column] = "0.5"
+        path.write_text("\n".join([*lines, ",".join(cells)]) + "\n")
+    else:
+        path = folder / "beliefs" / "ekf" / "000000004.npz"
+        with np.load(path) as found:
+            whole = dict(found)
+        whole["landmarks_used"] = np.where(whole["landmarks_used"] == 1.0, 0.0, whole["landmarks_used"])
+        np.savez_compressed(path, **whole)
+    outcome = am.reproduce(folder)
+    assert not outcome.is_same
+    assert path.relative_to(folder).as_posix() in outcome.difference
 
 
 def test_an_input_that_was_changed_after_the_run_is_named(folder: Path) -> None:
