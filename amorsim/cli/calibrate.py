@@ -11,7 +11,7 @@ import typer
 
 from amorsim.cli.console import say
 from amorsim.cli.options import Changes, RobotName, Seed, Studied
-from amorsim.cli.study import claim_folder, read_study, table
+from amorsim.cli.study import check_out, claim_folder, read_study, table
 from amorsim.core.errors import AmorsimError
 from amorsim.core.whole_files import write_text
 
@@ -59,9 +59,7 @@ def command(
     changes: Changes = None,
 ) -> None:
     """Find the errors of a gyro, a compass or a range sensor on a test bench, with their 95 % intervals."""
-    from amorsim.runs.folder import check_free
-
-    check_free(out)
+    check_out(out)
     if element is not None and what is not What.range:
         raise AmorsimError("--element is for --what range: a gyro and a compass have one value")
     read = read_study(scenario, changes, seed)

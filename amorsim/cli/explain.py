@@ -10,7 +10,7 @@ import typer
 
 from amorsim.cli.console import say
 from amorsim.cli.options import Changes, RobotName, Seed, Studied
-from amorsim.cli.study import claim_folder, draw, read_study, significant, table
+from amorsim.cli.study import check_out, claim_folder, draw, read_study, significant, table
 from amorsim.core.whole_files import write_text
 from amorsim.render.words import percent
 
@@ -42,10 +42,9 @@ def command(
     noise. For a sensor, they are the entries of the robot's errors that concern it and the elements of its noise. Each
     error draws the same numbers alone and together with the others, so the shares add up.
     """
-    from amorsim.runs.folder import check_free
     from amorsim.studies.attribution import attribute_errors
 
-    check_free(out)
+    check_out(out)
     read = read_study(scenario, changes, seed)
     if sensor is not None:
         _explain_readings(read, sensor, robot, replicas, out)

@@ -61,11 +61,13 @@ class Wanted:
                     "makes one"
                 )
             return
+        from amorsim.core.whole_files import check_place
         from amorsim.runs.reel import check_film
 
         for kind, file in self.files.items():
             with in_options():
                 check_film(file, **self.settings(kind))
+            check_place(file)
 
 
 @contextlib.contextmanager

@@ -68,6 +68,7 @@ def command(
     The exit status is 1 if there is no path; the message says why. A minus sign needs an equals sign: --from=-1,2.
     """
     from amorsim.core.errors import AmorsimError
+    from amorsim.core.whole_files import check_place
     from amorsim.runs.asked import look_up_world, read_any_world
     from amorsim.scenario.planners import read_planner
 
@@ -78,6 +79,7 @@ def command(
     made = read_planner(planner, of_planner)
     if out.exists() and not force:
         raise AmorsimError(f"{out} is there already; --force replaces it, -o names another file")
+    check_place(out)
     compile_once(lambda: look_up_world(source, seed=seed, resolution=resolution, changes=of_world))
     world = read_any_world(source, seed=seed, resolution=resolution, changes=of_world)
     for warning in world.warnings:

@@ -14,7 +14,7 @@ from amorsim.render.words import NOTHING
 if TYPE_CHECKING:
     from amorsim.scenario.spec import Scenario
 
-__all__ = ["claim_folder", "draw", "read_study", "significant", "table"]
+__all__ = ["check_out", "claim_folder", "draw", "read_study", "significant", "table"]
 
 
 def read_study(name: str, changes: Sequence[str] | None, seed: int | None) -> Scenario:
@@ -23,6 +23,19 @@ def read_study(name: str, changes: Sequence[str] | None, seed: int | None) -> Sc
 
     compile_once(lambda: look_up(name, changes=changes or (), seed=seed))
     return with_options(read_scenario(name, changes=changes or []), seed)
+
+
+def check_out(out: Path | None) -> None:
+    """Raise the error of `claim_folder` for a folder that is not empty or cannot be made, before any experiment."""
+    from amorsim.runs.folder import check_free
+
+    check_free(out)
+    if out is None or out.exists():
+        return
+    missing = [out, *(folder for folder in out.parents if not folder.exists())]
+    _make(out)
+    for folder in missing:  # until there is something to write
+        folder.rmdir()
 
 
 def claim_folder(out: Path | None, scenario: Scenario, what: str) -> Path:
@@ -38,11 +51,15 @@ def claim_folder(out: Path | None, scenario: Scenario, what: str) -> Path:
     if out is None:
         stem = scenario.source.stem if scenario.source is not None else "map"
         return new_folder(f"{stem}-{what}")
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise RunError(f"{out}: cannot make this folder ({error.strerror or error})") from None
+    _make(out)
     return out
+
+
+def _make(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise RunError(f"{folder}: cannot make this folder ({error.strerror or error})") from None
 
 
 def draw(path: Path, plot: Callable[[Any], None]) -> bool:

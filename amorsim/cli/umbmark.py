@@ -10,7 +10,7 @@ import typer
 
 from amorsim.cli.console import say
 from amorsim.cli.options import Changes, RobotName, Seed, Studied
-from amorsim.cli.study import claim_folder, draw, read_study, table
+from amorsim.cli.study import check_out, claim_folder, draw, read_study, table
 from amorsim.core.whole_files import write_text
 
 if TYPE_CHECKING:
@@ -46,10 +46,9 @@ def command(
     This is UMBmark (Borenstein and Feng 1996). The robot drives by its odometry. From the true end of each square less
     the estimated one follow how unequal its wheels are (Ed) and how wrong its track is (Eb).
     """
-    from amorsim.runs.folder import check_free
     from amorsim.studies.umbmark import umbmark
 
-    check_free(out)
+    check_out(out)
     read = read_study(scenario, changes, seed)
     found = umbmark(read, robot=robot, side=side, speed=speed, runs=runs, in_its_world=in_its_world)
     say(_report(found))

@@ -17,7 +17,7 @@ from pathlib import Path
 from amorsim.core.arguments import path_of
 from amorsim.core.errors import AmorsimError, RunError
 
-__all__ = ["copy_file", "replacing", "write_bytes", "write_text"]
+__all__ = ["check_place", "copy_file", "replacing", "write_bytes", "write_text"]
 
 PREFIX = ".amorsim-"  # of the temporary folders; one that a kill left behind may be removed
 
@@ -56,6 +56,17 @@ def replacing(path: str | os.PathLike[str], error: type[AmorsimError] = RunError
             new.replace(target)
         finally:
             shutil.rmtree(folder, ignore_errors=True)
+    except OSError as problem:
+        raise error(f"{path}: cannot be written ({problem.strerror or problem})") from problem
+
+
+def check_place(path: str | os.PathLike[str], error: type[AmorsimError] = RunError) -> None:
+    """Raise what `replacing` would for a place where no file can be written: before it is long computed."""
+    path = path_of(path, "path")
+    try:
+        target = _real(path)
+        _refuse_to_replace(target)
+        shutil.rmtree(tempfile.mkdtemp(prefix=PREFIX, dir=target.parent))
     except OSError as problem:
         raise error(f"{path}: cannot be written ({problem.strerror or problem})") from problem
 

@@ -74,6 +74,21 @@ def test_a_wrong_option_is_reported_before_anything_is_compiled(
 
 
 @pytest.mark.usefixtures("just_installed")
+@pytest.mark.parametrize("command", [("umbmark",), ("calibrate", "--what", "gyro"), ("explain-errors",)])
+def test_a_folder_that_cannot_be_made_is_reported_before_any_experiment(
+    amorsim: Command, study: Path, command: tuple[str, ...], tmp_path: Path
+) -> None:
+    (tmp_path / "file").touch()
+    name, *options = command
+    result = amorsim(name, study, "--out", "file/of/mine", *options)
+    assert (result.status, result.out) == (2, "")
+    assert "file/of/mine: cannot make this folder" in result.err
+    with pytest.raises(AssertionError, match="compiled for nothing"):
+        amorsim(name, study, "--out", "new/of/mine", *options)
+    assert not (tmp_path / "new").exists()
+
+
+@pytest.mark.usefixtures("just_installed")
 def test_a_fault_of_a_map_alone_is_reported_before_anything_is_compiled(amorsim: Command, study: Path) -> None:
     world = next(study.parent.glob("*.wld"))
     result = amorsim("run", world, "--set", "robots.rover.controller.sped=1")

@@ -11,7 +11,7 @@ import pytest
 
 import amorsim
 from amorsim.core.errors import MapError, RunError
-from amorsim.core.whole_files import copy_file, replacing, write_bytes, write_text
+from amorsim.core.whole_files import check_place, copy_file, replacing, write_bytes, write_text
 from tests.disks import small_disk
 
 
@@ -167,3 +167,13 @@ def test_all_that_replaces_files_goes_through_one_way():
             is_open = getattr(node.func, "attr", getattr(node.func, "id", "")) == "open"
             assert not is_method, f"{name}:{node.lineno} writes a file by its own means; use core.whole_files"
             assert not (is_open and {"w", "wb", "w+"} & set(modes)), f"{name}:{node.lineno} opens a file for writing"
+
+
+def test_a_place_where_no_file_can_be_written_is_known_beforehand(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    for place in (tmp_path, tmp_path / "none" / "x", tmp_path / "file" / "x"):
+        with pytest.raises(RunError, match="cannot be written"):
+            check_place(place)
+    check_place(tmp_path / "new")
+    check_place(tmp_path / "file")
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
