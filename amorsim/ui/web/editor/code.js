@@ -70,9 +70,12 @@ export async function dress(area, mode) {
  * @param {() => Promise<any>} take */
 export function atPauses(editor, take) {
   let pause = 0;
-  const now = () => {
+  const drop = () => {
     clearTimeout(pause);
     pause = 0;
+  };
+  const now = () => {
+    drop();
     return take();
   };
   editor.changed(() => {
@@ -80,7 +83,7 @@ export function atPauses(editor, take) {
     pause = setTimeout(now, PAUSE);
   });
   editor.left(now);
-  return { now, waits: () => pause !== 0 };
+  return { now, drop, waits: () => pause !== 0 };
 }
 
 /** The file and the name of a controller such as `my_controller.py:drive`; null for one that is registered.
@@ -139,6 +142,7 @@ export async function showCode(page, file) {
     say(state, page.state.is_checking ? "it is being tried" : faults.length ? `${where}; it has faults` : where);
   };
   const send = async (command) => {
+    typed.drop();
     const text = editor.value();
     if (page.watching || (command === "write_code" && text === written)) return;
     const done = await page.connection.ask({ do: command, file, text });
