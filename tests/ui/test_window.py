@@ -530,18 +530,25 @@ def test_all_is_in_sight_at_1366_by_768(window: Window) -> None:
 
 
 @pytest.mark.long
-def test_the_first_hint_covers_no_plot_and_goes_when_it_is_followed(window: Window) -> None:
+def test_the_first_hint_covers_no_words_and_no_plot_and_goes_when_it_is_followed(window: Window) -> None:
     page = window.page
     page.reload()
     # In one look, for it goes by itself too.
-    places = page.wait_for_function(
+    found = page.wait_for_function(
         """() => {
-            const [hint, plot] = [".hint", ".panel.plot"].map((one) => document.querySelector(one));
-            const box = hint?.textContent.includes("Space") && hint.getBoundingClientRect();
-            return box && [box.bottom, plot.getBoundingClientRect().top];
+            const hint = document.querySelector(".hint");
+            if (!hint?.textContent.includes("Space")) return null;
+            const box = hint.getBoundingClientRect();
+            const others = [".panel.plot", ".bar", ".panel .head", ".pane .note", ".pane .coordinates", ".pane .lack"];
+            const covered = [...document.querySelectorAll(others.join())].filter((one) => {
+                const { left, top, right, bottom } = one.getBoundingClientRect();
+                return right > left && left < box.right && right > box.left && top < box.bottom && bottom > box.top;
+            });
+            return { height: box.height, covered: covered.map((one) => one.className) };
         }"""
     ).json_value()
-    assert 0 < places[0] < places[1]
+    assert found["height"] > 0
+    assert found["covered"] == []
     page.keyboard.press(" ")
     page.wait_for_selector(".hint:empty", state="attached")
 

@@ -4,7 +4,7 @@ import { askName, open } from "../shared/dialogs.js";
 import { h, say } from "../shared/dom.js";
 
 const VENDOR = "/amorsim/web/vendor/codemirror";
-const PAUSE = 1000; // [ms] without typing, after which what was typed is a step
+export const PAUSE = 400; // [ms] without typing, after which what was typed is a step: its faults show within a second
 
 /** @type {Promise<any> | null} */
 let loading = null;
@@ -50,7 +50,7 @@ export async function dress(area, mode) {
     put: (text) => editor.setValue(text),
     mark: (faults) => {
       for (const one of marks) one.clear();
-      marks = faults.map(({ line, message }) => {
+      marks = faults.filter(({ line }) => line <= editor.lineCount()).map(({ line, message }) => {
         editor.addLineClass(line - 1, "background", "code-fault");
         const widget = editor.addLineWidget(line - 1, h("div", { class: "code-fault-text" }, message));
         return { clear: () => {
@@ -63,6 +63,27 @@ export async function dress(area, mode) {
     left: (does) => editor.on("blur", does),
     focus: () => editor.focus(),
   };
+}
+
+/** Let what is typed be taken at each pause in typing, and when it is left; returns what takes it now.
+ * @param {Awaited<ReturnType<typeof dress>>} editor
+ * @param {() => Promise<any>} take */
+export function atPauses(editor, take) {
+  let pause = 0;
+  const drop = () => {
+    clearTimeout(pause);
+    pause = 0;
+  };
+  const now = () => {
+    drop();
+    return take();
+  };
+  editor.changed(() => {
+    clearTimeout(pause);
+    pause = setTimeout(now, PAUSE);
+  });
+  editor.left(now);
+  return { now, drop, waits: () => pause !== 0 };
 }
 
 /** The file and the name of a controller such as `my_controller.py:drive`; null for one that is registered.
@@ -114,7 +135,6 @@ export async function showCode(page, file) {
   const editor = await dress(area, "python");
   let [written, isSaved] = [said.text, said.is_saved]; // what the document says, and whether the file does
   let tried = ""; // what the user has asked to be tried
-  let pause = 0;
   const show = () => {
     const faults = faultsIn(page, file);
     editor.mark(faults);
@@ -122,8 +142,7 @@ export async function showCode(page, file) {
     say(state, page.state.is_checking ? "it is being tried" : faults.length ? `${where}; it has faults` : where);
   };
   const send = async (command) => {
-    clearTimeout(pause);
-    pause = 0;
+    typed.drop();
     const text = editor.value();
     if (page.watching || (command === "write_code" && text === written)) return;
     const done = await page.connection.ask({ do: command, file, text });
@@ -135,13 +154,8 @@ export async function showCode(page, file) {
     if (command === "save_code") tried = text;
     show();
   };
-  const step = () => send("write_code");
-  editor.changed(() => {
-    clearTimeout(pause);
-    pause = setTimeout(step, PAUSE);
-    show();
-  });
-  editor.left(step);
+  const typed = atPauses(editor, () => send("write_code"));
+  editor.changed(show);
   save.addEventListener("click", () => send("save_code"));
   close.addEventListener("click", () => dialog.close());
   dialog.addEventListener("keydown", (event) => {
@@ -151,7 +165,7 @@ export async function showCode(page, file) {
     }
   });
   page.showCodeFaults = async () => {
-    if (editor.value() !== written) await (pause ? null : step()); // what was lost with the connection
+    if (editor.value() !== written) await (typed.waits() ? null : typed.now()); // what was lost with the connection
     else {
       const now = await page.connection.ask({ do: "code", file });
       if (now.ok && editor.value() === written) { // another window, or an undo, may have changed it
@@ -162,7 +176,7 @@ export async function showCode(page, file) {
     show();
   };
   dialog.addEventListener("close", () => {
-    step();
+    typed.now();
     page.showCodeFaults = null;
   });
   show();

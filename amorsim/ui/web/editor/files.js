@@ -1,7 +1,7 @@
 // Saving, running, and the whole file as text.
 
-import { askName, tell } from "../shared/dialogs.js";
-import { dress } from "./code.js";
+import { askName, open, tell } from "../shared/dialogs.js";
+import { atPauses, dress } from "./code.js";
 import { h, say } from "../shared/dom.js";
 
 /** Save it, or ask for a name where it has none.
@@ -40,18 +40,38 @@ export async function run(page) {
   else tell("It cannot be run", h("pre", {}, said.error));
 }
 
-/** The whole file, to be read and changed.
+/** The whole file, to be read and changed: each pause in typing is a step, and faults stand at their lines.
  * @param {import("./editor.js").EditorPage} page */
 export async function showText(page) {
   const said = await page.connection.ask({ do: "text" });
   if (!said.ok) return;
-  const area = h("textarea", { "aria-label": "the scenario's file", spellcheck: "false" });
+  const area = /** @type {HTMLTextAreaElement} */ (h("textarea", { "aria-label": "the scenario's file", spellcheck: "false" }));
   area.value = said.text;
   area.readOnly = page.watching;
-  const set = h("button", { class: "main holders-only", onclick: async () => {
-    const done = await page.edit("change the text", [{ op: "text", text: area.value }]);
-    if (done.ok) area.closest("dialog").close();
-  } }, "set");
-  tell(page.state.name, h("div", { class: "code" }, area), h("div", { class: "buttons" }, set));
-  dress(area, "toml");
+  const close = h("button", { class: "main" }, "close");
+  const dialog = open(page.state.name, h("div", { class: "code" }, area), [close]);
+  const editor = await dress(area, "toml");
+  let written = said.text;
+  const typed = atPauses(editor, async () => {
+    const text = editor.value();
+    if (page.watching || text === written) return;
+    const done = await page.edit("change the text", [{ op: "text", text }]);
+    if (done.ok) written = text;
+  });
+  const show = () => editor.mark(page.faults.filter(({ file, line }) => line && file === page.state.name));
+  page.showCodeFaults = async () => {
+    if (editor.value() !== written) await (typed.waits() ? null : typed.now()); // what was lost with the connection
+    else {
+      const now = await page.connection.ask({ do: "text" });
+      if (now.ok && editor.value() === written && now.text !== written) editor.put(written = now.text); // an undo, or another window
+    }
+    show();
+  };
+  close.addEventListener("click", () => dialog.close());
+  dialog.addEventListener("close", () => {
+    typed.now();
+    page.showCodeFaults = null;
+  });
+  show();
+  editor.focus();
 }

@@ -69,6 +69,8 @@ export function build({ stage, timebar, driving, form, replay }) {
     ),
     stage.robot.element,
   );
+  // At the lower end of the pane, where it covers no words.
+  stage.robot.element.append(make("hint", h("div", { class: "hint", role: "status", "aria-live": "polite" })));
   const control = panel(
     "control",
     h(
@@ -128,7 +130,6 @@ export function build({ stage, timebar, driving, form, replay }) {
     make("banner", h("div", { class: "banner", role: "alert", hidden: true })),
     h("div", { class: "panels" }, robot, control, side, about, numbers, plot, events),
     timebar.past,
-    make("hint", h("div", { class: "hint", role: "status", "aria-live": "polite" })),
     make("card", h("div", { class: "card", role: "status", hidden: true })),
   );
   return parts;
