@@ -614,7 +614,7 @@ def test_a_crash_of_a_controller_is_shown_with_its_stack_and_the_window_lives_on
         assert "the lidar was taken for a map" in stack
         window.page.keyboard.press("Escape")
         window.page.locator(".banner button.main").click()
-        window.until("newest.flags[0] & 4", seconds=40.0)
+        window.until("newest.flags[0] & 4")
         window.page.wait_for_selector(".banner", state="hidden")
         window.do(do="drive", robot="rover", forward=0.5)
         tick = window.see("newest.tick")

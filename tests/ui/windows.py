@@ -21,6 +21,7 @@ FLAGS = [
     "--disable-component-update",
     "--disable-sync",
 ]
+PATIENCE = 120.0  # [s]; all that is waited for comes within a second, but on a machine that does much else
 SIMULATOR = "document.querySelector('.amorsim')?.simulator"
 
 ROOM = """0 0 12000 0
@@ -128,7 +129,7 @@ class Window:
 
     def open(self, address: str) -> Window:
         self.page.goto(address)
-        self.until("stage.frame", seconds=30.0)
+        self.until("stage.frame")
         return self
 
     def leave(self) -> None:
@@ -143,7 +144,7 @@ class Window:
         """The value of an expression of the simulator's window: `newest.tick`."""
         return self.page.evaluate(f"{SIMULATOR}.{expression}")
 
-    def until(self, expression: str, *, seconds: float = 30.0) -> None:
+    def until(self, expression: str, *, seconds: float = PATIENCE) -> None:
         """Wait until something holds of the window; names in the expression are the simulator's."""
         self.page.wait_for_function(
             f"() => {{ const one = {SIMULATOR}; if (!one?.state) return false; with (one) return {expression}; }}",
@@ -227,10 +228,12 @@ class Window:
 
 def new_user(browser: Any) -> Any:
     """A browser's user, with separate cookies, storage and cache."""
-    return browser.new_context(viewport={"width": 1366, "height": 768}, accept_downloads=True)
+    user = browser.new_context(viewport={"width": 1366, "height": 768}, accept_downloads=True)
+    user.set_default_timeout(1000 * PATIENCE)
+    return user
 
 
-def eventually(holds: Callable[[], bool], seconds: float = 30.0) -> bool:
+def eventually(holds: Callable[[], bool], seconds: float = PATIENCE) -> bool:
     """Whether something holds within a while."""
     end = time.monotonic() + seconds
     while time.monotonic() < end:
