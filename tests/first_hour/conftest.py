@@ -111,8 +111,11 @@ def run_console(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
         check_output(expected, got)
 
 
-def check_toml(block: Block) -> None:
-    """Read a scenario, or put a part of one into a whole and read that; a file is written, too."""
+def check_toml(block: Block, sensors: dict[str, Any]) -> None:
+    """Read a scenario, or put a part of one into a whole and read that; a file is written, too.
+
+    A part's robot has the `sensors` of the parts before it, and gives its own to those after it.
+    """
     if block.file:
         Path(block.file).parent.mkdir(parents=True, exist_ok=True)
         Path(block.file).write_text(block.text, encoding="utf-8")
@@ -126,13 +129,18 @@ def check_toml(block: Block) -> None:
     text = block.text
     if "drive" in given:
         return  # a robot's model, which is read by the scenario that names it
-    if not isinstance(given.get("robots"), list):
+    is_part = not isinstance(given.get("robots"), list)
+    if is_part:
         text = ROVER + text
     if "world" not in given:
         text = WORLD + text
     if "format" not in given:
         text = "format = 1\n" + text
-    loads(tomllib.loads(text), Path.cwd(), name="the page")
+    tables = tomllib.loads(text)
+    if is_part:
+        sensors |= tables["robots"][0].get("sensors", {})
+        tables["robots"][0]["sensors"] = dict(sensors)
+    loads(tables, Path.cwd(), name="the page")
 
 
 @attrs.define
@@ -141,6 +149,7 @@ class Page:
 
     monkeypatch: pytest.MonkeyPatch
     names: dict[str, Any] = attrs.field(factory=lambda: {"__name__": "__page__"})
+    sensors: dict[str, Any] = attrs.field(factory=dict)
     printed: str = ""
     ran: int = 0
 
@@ -152,7 +161,7 @@ class Page:
         elif block.language == "python" and not block.file:
             self.printed = self._python(block.text)
         elif block.language == "toml":
-            check_toml(block)
+            check_toml(block, self.sensors)
         elif block.file:
             Path(block.file).write_text(block.text, encoding="utf-8")
         elif block.language == "text" and before:

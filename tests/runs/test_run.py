@@ -255,7 +255,7 @@ def test_a_recorder_of_ones_own_that_fails_leaves_the_other_files_whole(
     monkeypatch.setattr(Failing, "write", lambda *_: None, raising=False)
     monkeypatch.setattr(Failing, "write_obstacles", lambda *_: None, raising=False)
     session.keep()
-    with pytest.raises(ValueError, match="nothing to count") as caught:
+    with pytest.raises(am.ComponentError, match=r"Failing: close\(\) raised ValueError: nothing to count") as caught:
         session.close()
     assert caught.value.__notes__ == [f"the files up to 0.1 s are in {tmp_path / 'run'}"]
     assert about(tmp_path / "run")["digests"] == {"0": simulation.digest(0)}
