@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from tests.ui.windows import SIMULATOR, Server, Window, eventually, write_scenario
+from tests.ui.windows import SIMULATOR, Server, Window, eventually, expect, write_scenario
 
 LEFT_WHEEL = "errors.drive.wheel_radius_left.scale"
 
@@ -162,22 +162,22 @@ def test_forms_say_what_is_wrong_and_go_back_to_the_scenario(window: Window) -> 
     window.page.wait_for_function(
         "path => document.querySelector(`[data-path='${path}'] .error`).textContent !== ''", arg=LEFT_WHEEL
     )
-    assert ">= 0.0001" in field.locator(".error").inner_text()
-    assert number.get_attribute("aria-invalid") == "true"
+    expect(field.locator(".error")).to_contain_text(">= 0.0001")
+    expect(number).to_have_attribute("aria-invalid", "true")
     number.fill("1.05")
     number.press("Enter")
     window.until(f"form.fields.get('{LEFT_WHEEL}').parameter.value === 1.05")
-    assert "true 0.086625, believed 0.0825" in field.locator(".help").inner_text()
+    expect(field.locator(".help")).to_contain_text("true 0.086625, believed 0.0825")
     field.get_by_label("as in the scenario").click()
     window.until(f"form.fields.get('{LEFT_WHEEL}').parameter.value === 1")
-    assert number.input_value() == "1"
-    assert field.locator(".error").inner_text() == ""
+    expect(number).to_have_value("1")
+    expect(field.locator(".error")).to_have_text("")
     number.fill("-3")
     number.press("Enter")
     window.page.wait_for_selector(f"[data-path='{LEFT_WHEEL}'] .error:not(:empty)")
     window.page.click("text=as in file")
     window.page.wait_for_selector(f"[data-path='{LEFT_WHEEL}'] .error:empty", state="attached")
-    assert number.input_value() == "1"
+    expect(number).to_have_value("1")
 
 
 @pytest.mark.long
@@ -190,7 +190,7 @@ def test_a_dialog_keeps_the_keyboard_after_a_problem_and_escape_closes_it(window
     page.wait_for_function("document.activeElement.id === 'asked-name'")  # to be corrected
     page.focus("dialog button")
     page.keyboard.press("t")
-    assert page.locator("dialog").count() == 1
+    expect(page.locator("dialog")).to_have_count(1)
     assert window.see("stage.options.trails") is True, "keys of the window work behind a dialog"
     page.keyboard.press("Escape")
     page.wait_for_selector("dialog", state="detached")
@@ -230,7 +230,7 @@ def test_pause_step_scrub_and_continue(window: Window) -> None:
     window.until(f"newest.tick === {tick + 1}")
     page.wait_for_timeout(300)
     assert window.see("newest.tick") == tick + 1  # paused is paused
-    assert page.locator("#continue").is_hidden()
+    expect(page.locator("#continue")).to_be_hidden()
     page.locator("#timeline").fill("2")
     window.until("newest.tick === 2 && (newest.states & 4)")
     assert window.see("newest.newest") == tick + 1
@@ -249,7 +249,7 @@ def test_reset_and_speed(window: Window) -> None:
     page.evaluate("document.activeElement.blur()")
     page.keyboard.press(" ")
     window.until("newest.tick > 40")
-    assert "reached" in page.locator(".achieved").inner_text()
+    expect(page.locator(".achieved")).to_contain_text("reached")
     page.locator("#speed").fill("11")
     window.until("newest.speed === Infinity")
     page.click("#reset")
@@ -317,7 +317,7 @@ def test_a_click_says_what_a_robot_or_a_beam_is_and_reads(window: Window) -> Non
     box = page.locator("#pane-robot").bounding_box()
     left, top = page.evaluate(f"{SIMULATOR}.stage.camera.toScreen(2.0, 4.0)")
     page.mouse.click(box["x"] + left, box["y"] + top)
-    assert "rover" in page.locator(".card").inner_text()
+    expect(page.locator(".card")).to_contain_text("rover")
     # The beam at 45 degrees begins at (2.017, 4.008), and meets the wall at y = 8 after 5.646 m.
     left, top = page.evaluate(f"{SIMULATOR}.stage.camera.toScreen(6.009, 7.99)")
     page.mouse.click(box["x"] + left, box["y"] + top)
@@ -328,7 +328,7 @@ def test_a_click_says_what_a_robot_or_a_beam_is_and_reads(window: Window) -> Non
     left, top = page.evaluate(f"{SIMULATOR}.stage.camera.toScreen(2.0, 6.5)")
     page.mouse.click(box["x"] + left, box["y"] + top)
     window.until("robot.name === 'second'")
-    assert page.locator("#numbers-title").inner_text() == "second"
+    expect(page.locator("#numbers-title")).to_have_text("second")
     window.do(do="select", robot="rover")
 
 
@@ -373,18 +373,18 @@ def test_a_second_window_watches_and_may_ask_for_the_controls(
     # It looks at what it likes, and the other window goes on with its own robot.
     watcher.page.locator("select.robots").select_option("1")
     watcher.until("robot.name === 'second' && newest.selected === 1 && newest.sensors.length > 3")
-    assert watcher.page.locator("#numbers-title").inner_text() == "second"
+    expect(watcher.page.locator("#numbers-title")).to_have_text("second")
     tick = window.see("newest.tick")
     window.until(f"newest.tick > {tick} && newest.selected === 0 && robot.name === 'rover'")
-    assert watcher.page.locator("#run").is_disabled()
+    expect(watcher.page.locator("#run")).to_be_disabled()
     chip = watcher.page.locator(".controls")
-    assert "ask for the controls" in chip.inner_text()
+    expect(chip).to_contain_text("ask for the controls")
     chip.click()
     window.page.wait_for_selector(".controls:visible")
     window.page.click(".controls")
     watcher.until("isMine")
     watcher.do(do="pause")
-    assert watcher.page.locator("#run").is_enabled()
+    expect(watcher.page.locator("#run")).to_be_enabled()
     window.until("isMine === false")
     assert not window.ask(do="run")["ok"]
 
@@ -400,7 +400,7 @@ def test_a_window_that_is_loaded_again_keeps_the_controls(
     window.until("isMine")
     for other in (watcher, late):
         other.until(f"state.holder === '{window.see('window')}' && isMine === false")
-        assert "ask for the controls" in other.page.locator(".controls").inner_text()
+        expect(other.page.locator(".controls")).to_contain_text("ask for the controls")
     # Once given away, this is shown.
     late.page.click(".controls")
     window.page.wait_for_selector(".controls:visible")
@@ -577,9 +577,9 @@ def test_the_keyboard_alone_reaches_everything(window: Window) -> None:
     assert window.see("stage.camera.x") > before
     page.keyboard.press("f")
     page.keyboard.press("Enter")
-    assert "rover" in page.locator(".card").inner_text()
+    expect(page.locator(".card")).to_contain_text("rover")
     page.keyboard.press("Escape")
-    assert page.locator(".card").is_hidden()
+    expect(page.locator(".card")).to_be_hidden()
 
 
 # ------------------------------------------------------------------------------------------------ controllers that fail
@@ -607,7 +607,7 @@ def test_a_crash_of_a_controller_is_shown_with_its_stack_and_the_window_lives_on
         window.page.keyboard.press(" ")
         # On a busy machine another may come before: that kernels are being compiled.
         window.page.wait_for_selector(".banner.fault:visible")
-        assert "ZeroDivisionError" in window.page.locator(".banner.fault").inner_text()
+        expect(window.page.locator(".banner.fault")).to_contain_text("ZeroDivisionError")
         window.page.click("text=show the stack")
         stack = window.page.locator("dialog pre").inner_text()
         assert "driver.py" in stack
@@ -649,8 +649,8 @@ def test_where_a_controller_cannot_be_copied_the_window_says_why_one_cannot_go_o
         window.do(do="step", steps=8)
         window.do(do="scrub", tick=3)
         window.page.wait_for_selector(".past:visible >> text=cannot go on")
-        assert "rover" in window.page.locator(".past").inner_text()
-        assert window.page.locator("#continue").is_disabled()
+        expect(window.page.locator(".past")).to_contain_text("rover")
+        expect(window.page.locator("#continue")).to_be_disabled()
         poses = window.see("newest.truePoses.slice(0, 3)")
         assert poses[0] > 2.0  # where it was then is known all the same
     finally:

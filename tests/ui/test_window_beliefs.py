@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from tests.ui.windows import SIMULATOR, Server, Window
+from tests.ui.windows import SIMULATOR, Server, Window, expect
 
 pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
 
@@ -77,9 +77,9 @@ def test_particles_and_hypotheses_are_drawn_each_with_a_switch(
     truth = inked(window, "robot")
     for name in ("particles", "hypotheses"):
         button = window.page.locator(f'.panel.control button[data-tool="{name}"]')
-        assert button.get_attribute("aria-pressed") == "false"
+        expect(button).to_have_attribute("aria-pressed", "false")
         button.click()
-        assert button.get_attribute("aria-pressed") == "true"
+        expect(button).to_have_attribute("aria-pressed", "true")
         shown = inked(window, "control")
         assert shown > before + 100
         button.click()
@@ -105,4 +105,4 @@ def test_the_cloud_gathers(lost: Server, open_window: Callable[[Server], Window]
 
 def test_a_robot_that_believes_nothing_more_has_no_switches(window: Window) -> None:
     window.do(do="select", robot="rover")
-    assert window.page.locator('.panel.control button[data-tool="particles"]').count() == 0
+    expect(window.page.locator('.panel.control button[data-tool="particles"]')).to_have_count(0)

@@ -10,7 +10,7 @@ import pytest
 
 import amorsim as am
 from tests.ui.test_window_editor import Editor
-from tests.ui.windows import Server, Window
+from tests.ui.windows import Server, Window, expect
 
 pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
 
@@ -24,17 +24,17 @@ def test_the_planner_and_the_avoider_of_a_robot_are_chosen_and_changed_in_forms(
         page.click('[data-key="robots.0"]')
         planner = page.locator(f'[data-path="{CONTROLLER}.planner"]')
         planner.wait_for()
-        assert planner.locator("select").first.input_value() == "theta_star"
+        expect(planner.locator("select").first).to_have_value("theta_star")
         cell = page.locator(f'[data-path="{CONTROLLER}.planner.cell"] input').first
         cell.fill("0.1")
         editor.step(lambda: cell.press("Enter"))
         speed = page.locator(f'[data-path="{CONTROLLER}.avoider.speed"]')
         speed.locator("input").first.fill("0.45")
         editor.step(lambda: speed.locator("input").first.press("Enter"))
-        assert speed.get_attribute("data-state") == "changed"
+        expect(speed).to_have_attribute("data-state", "changed")
         # Another one has other fields, and nothing of the one before.
         avoider = page.locator(f'[data-path="{CONTROLLER}.avoider"] select').first
-        assert "manual" not in avoider.inner_text()
+        expect(avoider).not_to_contain_text("manual")
         editor.step(lambda: avoider.select_option("vfh_plus"))
         page.wait_for_selector(f'[data-path="{CONTROLLER}.avoider.horizon"]', state="detached")
         page.wait_for_selector(f'[data-path="{CONTROLLER}.avoider.speed"]')
@@ -72,10 +72,10 @@ def test_the_simulator_tunes_the_avoider_and_says_why_the_planner_stays(
     window.until("form.fields.has('controller.avoider.speed')")
     page.evaluate("document.querySelectorAll('details.group').forEach(one => one.open = true)")
     planner = window.field("controller.planner")
-    assert planner.locator("select").input_value() == "theta_star"
-    assert planner.locator("select").is_disabled()
-    assert "Which planner it is, is set when" in planner.locator(".help").text_content()
-    assert "The planner is set when" in window.field("controller.planner.cell").locator(".help").text_content()
+    expect(planner.locator("select")).to_have_value("theta_star")
+    expect(planner.locator("select")).to_be_disabled()
+    expect(planner.locator(".help")).to_contain_text("Which planner it is, is set when")
+    expect(window.field("controller.planner.cell").locator(".help")).to_contain_text("The planner is set when")
     speed = window.field("controller.avoider.speed").locator("input[type=text]")
     speed.fill("0.3")
     speed.press("Enter")

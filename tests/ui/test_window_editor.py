@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 import amorsim as am
-from tests.ui.windows import SIMULATOR, Server, Window, eventually, new_user
+from tests.ui.windows import SIMULATOR, Server, Window, expect, new_user
 
 pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
 
@@ -104,7 +104,7 @@ def test_demo_is_changed_undone_saved_and_run(open_editor: Any, tmp_path: Path) 
     editor.look_near(1.4, 8.2)
     editor.step(lambda: editor.drag((1.4, 8.2), (2.4, 8.2)))
     assert editor.see("stage.still.robots[0]")[:2] == pytest.approx([2.4, 8.2])
-    assert page.inner_text("#inspector-title") == "rover"
+    expect(page.locator("#inspector-title")).to_have_text("rover")
     handle = editor.see("stage.turnHandle()")
     editor.step(lambda: editor.drag((handle["x"], handle["y"]), (2.4, 9.2)))
     assert editor.see("stage.still.robots[0][2]") == pytest.approx(1.5708, abs=1e-3)
@@ -136,7 +136,7 @@ def test_demo_is_changed_undone_saved_and_run(open_editor: Any, tmp_path: Path) 
     assert scenario.robots[0].pose.x == pytest.approx(2.4)
     assert scenario.map.segments is not None
     assert scenario.map.segments[-1].tolist() == [1.0, 7.0, 2.5, 7.0]
-    assert page.inner_text(".saved") == "saved"
+    expect(page.locator(".saved")).to_have_text("saved")
 
     # It runs, with a change that is not saved; coming back keeps everything.
     editor.step(lambda: editor.see("edit('seed', [{op: 'set', path: 'simulation.seed', value: 77}])"))
@@ -153,7 +153,7 @@ def test_demo_is_changed_undone_saved_and_run(open_editor: Any, tmp_path: Path) 
 def test_an_empty_page_gets_walls_and_a_robot_and_runs(open_editor: Any) -> None:
     editor = open_editor()
     page = editor.page
-    assert "2 faults" in page.inner_text(".status")
+    expect(page.locator(".status")).to_contain_text("2 faults")
     page.keyboard.press("r")
     editor.look_near(0.0, 0.0)
     editor.click(-3.0, -2.0)
@@ -163,7 +163,7 @@ def test_an_empty_page_gets_walls_and_a_robot_and_runs(open_editor: Any) -> None
     page.select_option("select[aria-label='add a thing']", "pioneer2dx")
     editor.step(lambda: editor.click(1.0, 0.5))
     editor.until("stage.selection.only?.path === 'robots.0'")
-    assert page.inner_text(".status").startswith("no faults")
+    expect(page.locator(".status")).to_contain_text("no faults")
     page.click(".run")
     page.wait_for_url("**/run/untitled**", timeout=120_000)
     page.wait_for_function(f"() => {SIMULATOR}?.stage.frame", timeout=60_000)
@@ -176,18 +176,18 @@ def test_a_value_is_changed_in_the_inspector_and_its_fault_is_said_at_the_field(
     page.wait_for_selector('[data-section="robots.0.sensors.laser"]')
     page.click('[data-section="robots.0.sensors.laser"] > summary')
     field = page.locator('[data-path="robots.0.sensors.laser.range_max"] input')
-    assert field.input_value() == "8"
+    expect(field).to_have_value("8")
     field.fill("-1")
     editor.step(lambda: field.press("Enter"))
-    assert "1 fault" in page.inner_text(".status")
+    expect(page.locator(".status")).to_contain_text("1 fault")
     error = page.locator('[data-path="robots.0.sensors.laser.range_max"] .error')
-    assert eventually(lambda: "> 0" in error.inner_text())
+    expect(error).to_contain_text("> 0")
     page.click('[data-key="world"]')
     page.click(".drawing .fault")
     editor.until("stage.selection.only?.path === 'robots.0'")
     page.evaluate("document.activeElement.blur()")
     editor.step(lambda: page.keyboard.press("Control+z"))
-    assert page.inner_text(".status").startswith("no faults")
+    expect(page.locator(".status")).to_contain_text("no faults")
 
 
 def test_all_can_be_done_by_the_keyboard(open_editor: Any) -> None:
@@ -278,14 +278,14 @@ def test_a_second_window_watches_until_it_gets_the_pen(open_editor: Any, browser
     other = new_user(browser).new_page()
     other.goto(editor.server.address)
     other.wait_for_function(f"() => {PAGE}?.state && {PAGE}.stage.still")
-    assert not other.is_visible(".run")
-    assert other.inner_text(".pen").startswith("ask")
+    expect(other.locator(".run")).to_be_hidden()
+    expect(other.locator(".pen")).to_contain_text("ask")
     said = other.evaluate(f"{PAGE}.edit('x', [{{op: 'set', path: 'simulation.seed', value: 3}}])")
     assert "pen" in said["error"]
     other.click("text=ask for the pen")
     editor.page.click("text=give the pen")
     other.wait_for_selector(".run")
-    assert eventually(lambda: not editor.page.is_visible(".run"))
+    expect(editor.page.locator(".run")).to_be_hidden()
     other.context.close()
 
 

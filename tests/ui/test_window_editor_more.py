@@ -21,7 +21,7 @@ import amorsim as am
 from amorsim.plugins.manager import default_registry
 from amorsim.ui.editor.work import Work
 from tests.ui.test_window_editor import PAGE, Editor
-from tests.ui.windows import SIMULATOR, Server, eventually, new_user
+from tests.ui.windows import SIMULATOR, Server, eventually, expect, new_user
 
 pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
 
@@ -42,7 +42,7 @@ def open_editor(browser: Any, tmp_path: Path) -> Iterator[Any]:
 @pytest.mark.parametrize("name", default_registry().names("scenario"))
 def test_a_bundled_scenario_opens_and_one_thing_in_it_is_moved_and_undone(open_editor: Any, name: str) -> None:
     editor = open_editor(name)
-    assert editor.page.inner_text(".status").startswith("no faults")
+    expect(editor.page.locator(".status")).to_contain_text("no faults")
     things = [thing for thing in editor.see("stage.things") if thing["pose"] and thing["moves"]]
     if not things:  # a swarm starts at random: its seed
         editor.step(lambda: editor.see("edit('seed', [{op: 'set', path: 'simulation.seed', value: 77}])"))
@@ -80,7 +80,7 @@ def test_a_robot_gets_a_sensor_with_noise_and_an_error_and_runs(open_editor: Any
     area = page.locator('textarea[data-path="robots.0.errors"]')
     area.fill("drive = { track = { scale = 1.1 } }\n")
     editor.step(lambda: area.press("Control+Enter"))
-    assert page.inner_text(".status").startswith("no faults")
+    expect(page.locator(".status")).to_contain_text("no faults")
     page.evaluate("document.activeElement.blur()")
     page.keyboard.press("Control+s")
     page.fill("#asked-name", "mine")
@@ -108,7 +108,7 @@ def test_a_killed_server_and_a_page_loaded_again_lose_nothing(open_editor: Any) 
     editor.server.process.wait()
     again = open_editor("demo")
     assert again.see("state.steps") == 2
-    assert "not saved" in again.page.inner_text(".banner")
+    expect(again.page.locator(".banner")).to_contain_text("not saved")
     walls = len(again.see("stage.walls.walls"))
     again.step(lambda: again.page.keyboard.press("Control+z"))
     assert len(again.see("stage.walls.walls")) == walls - 1
@@ -170,10 +170,10 @@ def test_a_file_that_is_changed_by_hand_is_reported_and_read_again(open_editor: 
     editor = open_editor("mine.toml")
     editor.step(lambda: editor.see("edit('seed', [{op: 'set', path: 'simulation.seed', value: 77}])"))
     file.write_text(file.read_text().replace('name = "rover"', 'name = "scout"'))
-    assert eventually(lambda: "mine.toml was changed" in editor.page.inner_text(".banner"))
+    expect(editor.page.locator(".banner")).to_contain_text("mine.toml was changed")
     editor.step(lambda: editor.page.click("text=reload the file"))
     editor.page.wait_for_selector('[data-key="robots.0"]:has-text("scout")')
-    assert eventually(lambda: not editor.page.is_visible(".banner"))
+    expect(editor.page.locator(".banner")).to_be_hidden()
 
 
 def test_a_faulty_file_opens_and_is_mended_as_text(open_editor: Any, tmp_path: Path) -> None:
@@ -194,7 +194,7 @@ def test_a_faulty_file_opens_and_is_mended_as_text(open_editor: Any, tmp_path: P
         }"""
     )
     editor.step(lambda: page.click("dialog .main"))
-    assert eventually(lambda: page.inner_text(".status").startswith("no faults"))
+    expect(page.locator(".status")).to_contain_text("no faults")
     page.keyboard.press("Control+s")
     assert eventually(lambda: am.open_document(file).faults() == ())
 

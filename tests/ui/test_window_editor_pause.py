@@ -35,8 +35,8 @@ def test_faults_of_the_text_show_at_their_lines_after_a_pause_in_typing(editor: 
     page.wait_for_selector("dialog .code-fault-text")
     editor.until(f"state.steps > {steps}")
     page.click("dialog .main")
-    assert editor.see("faults.length") > 0
+    editor.until("faults.length > 0")
     while editor.see("state.steps") > steps:
         editor.step(lambda: page.keyboard.press("Control+z"))
-    assert editor.see("faults.length") == 0
-    assert editor.see("state.is_saved")
+    editor.until("faults.length === 0")
+    editor.until("state.is_saved")

@@ -13,7 +13,7 @@ from PIL import Image
 
 import amorsim as am
 from tests.ui.test_window_editor import PAGE, Editor
-from tests.ui.windows import SIMULATOR, eventually
+from tests.ui.windows import SIMULATOR, eventually, expect
 
 pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
 
@@ -81,7 +81,7 @@ def test_from_nothing_to_a_run_and_back_to_nothing(open_editor: Any, tmp_path: P
     page.fill("dialog input", "4")
     page.locator("dialog select").nth(1).select_option("grid")
     editor.step(lambda: page.click("dialog .main"))
-    assert "5 robots" in page.inner_text(".status")
+    expect(page.locator(".status")).to_contain_text("5 robots")
     # An obstacle that goes round a path, which is drawn and dragged.
     add(editor, "post")
     editor.step(lambda: editor.click(1.0, 4.0))
@@ -126,7 +126,7 @@ def test_from_nothing_to_a_run_and_back_to_nothing(open_editor: Any, tmp_path: P
     page.click("[aria-label='play here']")
     editor.until("playing?.tick > 5", seconds=120.0)
     assert editor.see("watching")
-    assert not page.is_visible("[aria-label='add a thing']")
+    expect(page.locator("[aria-label='add a thing']")).to_be_hidden()
     assert page.evaluate(f"Array.from({PAGE}.stage.carried.truePoses.slice(0, 2))") != pytest.approx(
         there[0][:2], abs=1e-4
     )
@@ -194,7 +194,7 @@ def test_a_bitmap_world_is_painted(open_editor: Any, tmp_path: Path) -> None:
     (tmp_path / "mine.toml").write_text('format = 1\n[world]\nmap = "room.png"\nresolution = 0.1\n')
     editor = open_editor("mine.toml")
     page = editor.page
-    assert not page.is_visible("[data-tool='room']")
+    expect(page.locator("[data-tool='room']")).to_be_hidden()
     page.keyboard.press("b")
     page.fill("#typed-brush", "0.3")
     page.keyboard.press("Enter")

@@ -13,7 +13,7 @@ import pytest
 
 import amorsim as am
 from tests.ui.views import View
-from tests.ui.windows import Server, Window, eventually, new_user, write_scenario
+from tests.ui.windows import Server, Window, eventually, expect, new_user, write_scenario
 
 pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
 
@@ -93,7 +93,7 @@ def page(browser: Any, faulty: Server) -> Iterator[Page]:
 def test_it_says_what_check_says_and_draws_the_rest(page: Page) -> None:
     faults = am.open_document(page.file).faults()
     assert len(faults) == 2
-    assert page.page.inner_text("#faults-title") == "2 faults"
+    expect(page.page.locator("#faults-title")).to_have_text("2 faults")
     for item, fault in zip(page.said(), faults, strict=True):
         assert f"room.toml, line {fault.line}" in item
         assert fault.named in item
@@ -104,7 +104,7 @@ def test_it_says_what_check_says_and_draws_the_rest(page: Page) -> None:
     see = page.page.evaluate
     assert see(f"{PAGE}.stage.scene.robots.map(robot => robot.name)") == ["rover", "second"]
     assert see(f"{PAGE}.stage.scene.obstacles.map(one => one.name)") == ["box", "cart"]
-    assert page.page.inner_text(".lack") == ""
+    expect(page.page.locator(".lack")).to_have_text("")
 
 
 def colour_at(page: Page, x: float, y: float) -> list[int]:
@@ -157,13 +157,13 @@ def test_a_click_and_enter_tell_what_is_there(page: Page) -> None:
         }}"""
     )
     page.page.mouse.click(left, top)
-    assert "box" in page.page.inner_text(".card")
+    expect(page.page.locator(".card")).to_contain_text("box")
     page.page.keyboard.press("Escape")
-    assert not page.page.is_visible(".card")
+    expect(page.page.locator(".card")).to_be_hidden()
     page.page.evaluate(f"{PAGE}.stage.camera.centre(2.0, 4.0)")
     page.page.focus("#pane")
     page.page.keyboard.press("Enter")
-    assert "rover" in page.page.inner_text(".card")
+    expect(page.page.locator(".card")).to_contain_text("rover")
 
 
 WRONG = {
@@ -241,7 +241,7 @@ def test_the_mended_file_is_simulated_and_that_goes_on_when_the_file_is_broken_a
         window.until("stage.frame")
         window.do(do="run")
         ticks()
-        assert not page.is_visible(".banner")
+        expect(page.locator(".banner")).to_be_hidden()
         file.write_text("")
         page.wait_for_selector(".banner.changed")
         ticks()
@@ -255,7 +255,7 @@ def test_the_mended_file_is_simulated_and_that_goes_on_when_the_file_is_broken_a
         page.click(".banner.changed button")
         page.wait_for_url("**/faults/room", timeout=60_000)
         page.wait_for_selector(".fault")
-        assert page.inner_text("#faults-title") == "3 faults"
+        expect(page.locator("#faults-title")).to_have_text("3 faults")
         page.click("text=back to the simulation")
         page.wait_for_url("**/run/room")
         window.until("newest.tick > 30 && newest.states & 1")
@@ -270,7 +270,7 @@ def test_the_mended_file_is_simulated_and_that_goes_on_when_the_file_is_broken_a
         for one in (window, other):  # both windows follow to the new simulation
             one.until("scene.duration === 50 && newest.tick === 0", seconds=60.0)
             assert one.page.url == run
-            assert not one.page.is_visible(".banner")
+            expect(one.page.locator(".banner")).to_be_hidden()
         assert window.problems == other.problems == []
     finally:
         context.close()

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from tests.ui.windows import Server, Window, write_scenario
+from tests.ui.windows import Server, Window, expect, write_scenario
 
 pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
 
@@ -47,7 +47,7 @@ def test_enter_and_escape_give_the_keyboard_back(window: Window) -> None:
     number.fill("1.2")
     number.press("Escape")
     assert has_keyboard(window)
-    assert number.input_value() == "1.1"
+    expect(number).to_have_value("1.1")
     # What is wrong keeps it, to be corrected.
     number.fill("-3")
     number.press("Enter")
@@ -131,10 +131,10 @@ def test_one_click_on_the_slider_of_a_drawn_error_sets_nothing_absurd(
     true = window.see(f"form.fields.get('{TRACK}').parameter.true")
     assert drawn_value == pytest.approx(true / 0.33)
     assert abs(drawn_value - 1.0) > 1e-4
-    assert field.locator("input[type=text]").get_attribute("placeholder") == f"{drawn_value:.6g}"
+    expect(field.locator("input[type=text]")).to_have_attribute("placeholder", f"{drawn_value:.6g}")
     assert float(field.locator("input[type=range]").input_value()) == pytest.approx(drawn_value)
-    assert field.get_attribute("data-state") == "drawn"
-    assert "drawn from normal(1, 0.01): " in field.locator(".help").text_content()
+    expect(field).to_have_attribute("data-state", "drawn")
+    expect(field.locator(".help")).to_contain_text("drawn from normal(1, 0.01): ")
     box = field.locator("input[type=range]").bounding_box()
     window.page.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 0.5 * box["height"])
     window.until(f"form.fields.get('{TRACK}').parameter.value !== null")
@@ -155,7 +155,7 @@ def test_an_error_is_drawn_or_fixed_and_taken_away_again(window: Window) -> None
     scale = field.locator("[data-part=scale]")
     scale.locator("select").select_option("normal")
     window.until(f"{value}.drawn === 'normal(1, 0.01)'")
-    assert field.get_attribute("data-state") == "changed"
+    expect(field).to_have_attribute("data-state", "changed")
     scale.get_by_label("scale: standard deviation").fill("0.05")
     scale.get_by_label("scale: standard deviation").press("Tab")
     window.until(f"{value}.drawn === 'normal(1, 0.05)'")
@@ -166,7 +166,7 @@ def test_an_error_is_drawn_or_fixed_and_taken_away_again(window: Window) -> None
     scale.get_by_label("scale: standard deviation").fill("-1")
     scale.get_by_label("scale: standard deviation").press("Tab")
     window.page.wait_for_selector("[data-part=scale] .error:not(:empty)")
-    assert "standard deviation >= 0" in scale.locator(".error").text_content()
+    expect(scale.locator(".error")).to_contain_text("standard deviation >= 0")
     field.get_by_text("remove this error").click()
     window.until(f"{value}.true === 0.33 && {value}.drawn === ''")
     assert changes(window)[-1] == "errors.drive.track = None"
@@ -178,9 +178,9 @@ def test_an_error_is_drawn_or_fixed_and_taken_away_again(window: Window) -> None
 def test_fields_of_each_kind_are_there_and_say_where_their_values_come_from(window: Window) -> None:
     page = window.page
     beams = window.field("sensors.laser.beams")
-    assert beams.get_attribute("data-state") == "fixed"
-    assert beams.locator("input").is_disabled()
-    assert "fixes the size" in beams.locator(".help").text_content()
+    expect(beams).to_have_attribute("data-state", "fixed")
+    expect(beams.locator("input")).to_be_disabled()
+    expect(beams.locator(".help")).to_contain_text("fixes the size")
     states = page.evaluate(
         """() => Object.fromEntries(
             [...document.querySelectorAll('[data-path]')].map(e => [e.dataset.path, e.dataset.state])
@@ -199,7 +199,7 @@ def test_fields_of_each_kind_are_there_and_say_where_their_values_come_from(wind
     x.fill("0.2")
     x.press("Tab")
     window.until("form.fields.get('sensors.sonar.elements').parameter.value[2].x === 0.2")
-    assert window.field("sensors.sonar.elements").get_attribute("data-state") == "changed"
+    expect(window.field("sensors.sonar.elements")).to_have_attribute("data-state", "changed")
     window.page.click("text=as in file")
     window.until("form.fields.get('sensors.sonar.elements').parameter.is_changed === false")
 
@@ -231,20 +231,20 @@ def test_noise_is_added_tuned_and_removed(window: Window) -> None:
     add_noise(window, "bias", value="0.25")
     window.until(f"{until} === 3")
     assert elements(window) == ["gaussian", "quantize", "bias"]
-    assert page.locator(".draft").count() == 0
+    expect(page.locator(".draft")).to_have_count(0)
     window.do(do="step", steps=1)
     window.until("newest.tick === 6")
     true, measured = (window.see(f"newest.{kind}Values[2]") for kind in ("true", "measured"))  # after the encoder's
     assert measured - true == pytest.approx(0.25, abs=0.05)
     bias = window.field(f"{LASER}.bias.value").locator("input[type=text]")
-    assert bias.input_value() == "0.25"
+    expect(bias).to_have_value("0.25")
     bias.fill("0.5")
     bias.press("Enter")
     window.until(f"form.fields.get('{LASER}.bias.value').parameter.value === 0.5")
     page.get_by_label("laser: remove gaussian", exact=True).click()
     window.until(f"{until} === 2")
     assert elements(window) == ["quantize", "bias"]
-    assert page.locator("[data-group='noise sensors.laser'] .note").text_content() == "taken out: gaussian"
+    expect(page.locator("[data-group='noise sensors.laser'] .note")).to_have_text("taken out: gaussian")
     window.do(do="step", steps=4)
     # The past is as it was, and the present as it is.
     window.do(do="scrub", tick=3)
@@ -276,10 +276,10 @@ def test_what_is_wrong_with_a_draft_is_said_and_the_draft_stays(window: Window) 
     page = window.page
     add_noise(window, "outliers", probability="7")
     page.wait_for_selector(".draft > .error:not(:empty)")
-    assert "probability" in page.locator(".draft > .error").text_content()
+    expect(page.locator(".draft > .error")).to_contain_text("probability")
     assert len(laser_chain(window)) == 2
     page.locator(".draft").get_by_text("cancel").click()
-    assert page.locator(".draft").count() == 0
+    expect(page.locator(".draft")).to_have_count(0)
     # On the ground are the noises that act there.
     offered = {one["name"] for one in window.do(do="noises", robot="rover", path="ground")["choices"]}
     assert {"slip", "bump", "gaussian"} <= offered

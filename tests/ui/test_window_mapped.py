@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from tests.ui.windows import SCENARIO, Server, Window, write_scenario
+from tests.ui.windows import SCENARIO, Server, Window, expect, write_scenario
 
 pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
 
@@ -58,4 +58,4 @@ def test_a_robot_that_maps_nothing_has_no_switches(
     window = open_window(mapping)
     window.do(do="select", robot="second")
     window.until("selected === 1 && stage.mapped.isDone")
-    assert window.page.locator(".panel.control [aria-label='what is drawn of its map'] button").count() == 0
+    expect(window.page.locator(".panel.control [aria-label='what is drawn of its map'] button")).to_have_count(0)

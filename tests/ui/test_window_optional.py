@@ -13,7 +13,7 @@ from tests import optional_components
 from tests.building import write_rover
 from tests.installed import install_module
 from tests.ui.test_window_editor import Editor
-from tests.ui.windows import Server, Window
+from tests.ui.windows import Server, Window, expect
 
 pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
 
@@ -50,15 +50,15 @@ def test_the_editor_chooses_none_or_a_component_and_its_fields(browser: Any, tmp
         page.click('[data-key="robots.0"]')
         spare = page.locator(f'[data-path="{CONTROLLER}.spare"]')
         spare.wait_for()
-        assert spare.locator("select").first.input_value() == ""
-        assert "none" in spare.locator("option").first.inner_text()
+        expect(spare.locator("select").first).to_have_value("")
+        expect(spare.locator("option").first).to_contain_text("none")
         choose("spare", "careful")
         choose("spare.avoider", "dwa")
         speed = page.locator(f'[data-path="{CONTROLLER}.spare.avoider.speed"] input').first
         speed.fill("0.3")
         editor.step(lambda: speed.press("Enter"))
         page.screenshot(path=str(tmp_path / "optional.png"))
-        assert page.inner_text(".status").startswith("no faults")
+        expect(page.locator(".status")).to_contain_text("no faults")
         inner = 'spare = { use = "careful", avoider = { use = "dwa", speed = 0.3 } }'
         assert saved() == text.replace('"careful" }', f'"careful", {inner} }}')
         choose("spare", "")
@@ -80,12 +80,12 @@ def test_the_editor_chooses_none_or_a_component_and_its_fields(browser: Any, tmp
         element = added.get_attribute("data-section")
         page.evaluate("document.querySelectorAll('details.section').forEach(one => one.open = true)")
         way = page.locator(f'[data-path="{element}.way"] select').first
-        assert page.locator(f'[data-path="{element}.way.lazy"]').count() == 0
+        expect(page.locator(f'[data-path="{element}.way.lazy"]')).to_have_count(0)
         editor.step(lambda: way.select_option("theta_star"))
         page.locator(f'[data-path="{element}.way.lazy"]').wait_for()
         editor.step(lambda: page.locator(f'[data-path="{element}.guide"] select').first.select_option("dead_reckoning"))
         page.locator(f'[data-path="{element}.guide.encoder"]').wait_for()
-        assert page.inner_text(".status").startswith("no faults")
+        expect(page.locator(".status")).to_contain_text("no faults")
         assert '{ use = "swayed", way = { use = "theta_star" }, guide = { use = "dead_reckoning" } }' in saved()
     finally:
         editor.close()
@@ -103,9 +103,9 @@ def test_the_simulator_shows_it_and_a_draft_of_noise_follows_what_is_chosen(
         page.evaluate("document.querySelectorAll('details.group').forEach(one => one.open = true)")
         for place, use in (("avoider", "vfh_plus"), ("spare", ""), ("planner", "a_star")):
             field = window.field(f"controller.{place}")
-            assert field.locator("select").input_value() == use
-            assert field.locator("select").is_disabled()
-            assert "Whether there is a " in field.locator(".help").text_content()
+            expect(field.locator("select")).to_have_value(use)
+            expect(field.locator("select")).to_be_disabled()
+            expect(field.locator(".help")).to_contain_text("Whether there is a ")
         speed = window.field("controller.avoider.speed").locator("input[type=text]")
         speed.fill("0.2")
         speed.press("Enter")
@@ -115,8 +115,9 @@ def test_the_simulator_shows_it_and_a_draft_of_noise_follows_what_is_chosen(
         draft = page.locator(".draft")
         draft.locator("select").first.select_option("swayed")
         way, guide = draft.locator('[data-path="way"] select'), draft.locator('[data-path="guide"] select')
-        assert (way.first.input_value(), guide.first.input_value()) == ("a_star", "")
-        assert draft.locator('[data-path="way.lazy"]').count() == 0
+        expect(way.first).to_have_value("a_star")
+        expect(guide.first).to_have_value("")
+        expect(draft.locator('[data-path="way.lazy"]')).to_have_count(0)
         way.first.select_option("theta_star")
         draft.locator('[data-path="way.lazy"] input').check()
         guide.first.select_option("dead_reckoning")

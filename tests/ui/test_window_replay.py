@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -15,7 +16,7 @@ from amorsim.analysis.files import RunFiles
 from amorsim.recorders.arrays import Arrays
 from amorsim.scenario.spec import Recording
 from tests import building
-from tests.ui.windows import SIMULATOR, Server, Window
+from tests.ui.windows import Server, Window, expect
 
 pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
 
@@ -111,10 +112,10 @@ def test_it_ends_and_begins_again(page: Window) -> None:
 def test_events_are_marked_and_lead_to_their_moment(page: Window) -> None:
     page.until("events.list.querySelectorAll('.event').length > 1")
     marks = page.page.locator(".marks .mark")
-    assert marks.count() >= 2
-    assert "handed over" in marks.first.get_attribute("title")
+    expect(marks.nth(1)).to_be_attached()
+    expect(marks.first).to_have_attribute("title", re.compile("handed over"))
     serious = page.page.locator(".marks .mark.serious").first
-    assert "met wall" in serious.get_attribute("title")
+    expect(serious).to_have_attribute("title", re.compile("met wall"))
     serious.click()
     page.until("newest.tick > 20")
     at = page.see("newest.tick")
@@ -126,16 +127,16 @@ def test_events_are_marked_and_lead_to_their_moment(page: Window) -> None:
 
 def test_nothing_that_changes_something_is_shown(page: Window) -> None:
     for name in (".driving", ".panel.errors", "#continue", "#newest", "text=save run", "text=save as…"):
-        assert not page.page.locator(name).first.is_visible(), name
+        expect(page.page.locator(name).first).to_be_hidden()
     page.page.keyboard.press("m")
     page.page.keyboard.press("w")
     page.drawn()
-    assert page.page.locator(".hint").inner_text() in ("", "Press Space to run, ? for all keys.")
+    expect(page.page.locator(".hint")).to_have_text(re.compile(r"^(Press Space to run, \? for all keys\.)?$"))
     assert "cannot be changed" in page.ask(do="reset")["error"]
     assert "cannot be changed" in page.ask(do="save_run", name="mine")["error"]
     page.page.keyboard.press("?")
     page.page.wait_for_selector("dialog")
-    assert "drive" not in page.page.locator("dialog").inner_text()
+    expect(page.page.locator("dialog")).not_to_contain_text("drive")
 
 
 def test_another_replica_keeps_the_moment(page: Window, folder: Path) -> None:
@@ -154,7 +155,7 @@ def test_another_replica_keeps_the_moment(page: Window, folder: Path) -> None:
 def test_particles_are_shown(page: Window) -> None:
     page.do(do="scrub", tick=30)
     page.until("newest.particleCount > 50")
-    assert page.page.locator('.panel.control button[data-tool="particles"]').is_visible()
+    expect(page.page.locator('.panel.control button[data-tool="particles"]')).to_be_visible()
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
@@ -185,12 +186,11 @@ def test_damage_and_what_is_missing_are_said(
     server = Server(broken, words=["replay", "broken"])
     try:
         window = open_window(server)
-        assert "No readings were recorded" in window.page.locator(".panel.run .lacks").inner_text()
+        expect(window.page.locator(".panel.run .lacks")).to_contain_text("No readings were recorded")
         window.do(do="select", robot="rover")
         window.do(do="scrub", tick=30)
         window.page.wait_for_selector(".banner.damage:visible")
-        assert "poses.csv, at 3.000000 s, true_x" in window.page.locator(".banner").inner_text()
-        assert window.see("newest.tick") == 30
-        assert window.page.evaluate(f"Number.isNaN({SIMULATOR}.newest.truePoses[3 * {SIMULATOR}.newest.selected])")
+        expect(window.page.locator(".banner")).to_contain_text("poses.csv, at 3.000000 s, true_x")
+        window.until("newest.tick === 30 && Number.isNaN(newest.truePoses[3 * newest.selected])")
     finally:
         server.close()

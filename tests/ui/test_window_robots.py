@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from tests.ui.windows import SIMULATOR, Window
+from tests.ui.windows import SIMULATOR, Window, expect
 
 pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
 
@@ -51,7 +51,7 @@ def test_control_shows_no_robot_that_this_one_cannot_know_of(window: Window) -> 
     click(window, "control", SECOND)
     window.page.wait_for_timeout(200)
     assert window.see("robot.name") == "rover"
-    assert window.page.locator(".card").is_hidden()
+    expect(window.page.locator(".card")).to_be_hidden()
     click(window, "robot", SECOND)
     window.until("robot.name === 'second'")
 
@@ -63,7 +63,7 @@ def test_each_robot_has_a_colour_and_its_name(window: Window) -> None:
     for title in ("#errors-title", "#numbers-title", "#plot-title"):
         chip = window.page.locator(f"{title} .chip")
         red, green, blue = (int(first[at : at + 2], 16) for at in (1, 3, 5))
-        assert chip.evaluate("one => getComputedStyle(one).backgroundColor") == f"rgb({red}, {green}, {blue})"
+        expect(chip).to_have_css("background-color", f"rgb({red}, {green}, {blue})")
     # Their names stand beside them: in Control that of this robot alone.
     drawn = window.page.evaluate(
         f"""() => {{
@@ -86,10 +86,10 @@ def test_each_robot_has_a_colour_and_its_name(window: Window) -> None:
 
 def test_control_says_that_a_robot_has_no_map(window: Window) -> None:
     lack = window.page.locator(".panel.control .lack")
-    assert lack.is_hidden()
+    expect(lack).to_be_hidden()
     window.do(do="select", robot="second")
     window.until("robot?.name === 'second'")
-    assert lack.inner_text() == "second has no map (robots.knowledge.map)"
+    expect(lack).to_have_text("second has no map (robots.knowledge.map)")
 
 
 @pytest.fixture
@@ -173,7 +173,7 @@ def test_dialogs_say_where_the_folder_is_and_offer_names_that_are_free(window: W
             page.click(f"text={button}")
             page.wait_for_selector("#asked-name")
             offered.append(page.input_value("#asked-name"))
-            assert str(project) in page.locator("dialog .help").inner_text()
+            expect(page.locator("dialog .help")).to_contain_text(str(project))
             page.keyboard.press("Enter")
             page.wait_for_selector("dialog", state="detached", timeout=120_000)
     assert all((project / name).exists() for name in offered)

@@ -185,15 +185,14 @@ class Window:
     def switch_off(self, label: str, names: list[str]) -> None:
         """Take away what each of the switches of a group, with these names, shows in the controller's pane."""
         buttons = self.page.locator(f".panel.control [aria-label='{label}'] button")
-        assert buttons.all_inner_texts() == names
+        expect(buttons).to_have_text(names)
         before = self.see("stage.control.canvas.toDataURL()")
         for button in buttons.all():
             button.click()
-            assert button.get_attribute("aria-pressed") == "false"
+            expect(button).to_have_attribute("aria-pressed", "false")
+            assert eventually(lambda shown=before: self.see("stage.control.canvas.toDataURL()") != shown), label
             self.drawn()
-            after = self.see("stage.control.canvas.toDataURL()")
-            assert after != before, button.inner_text()
-            before = after
+            before = self.see("stage.control.canvas.toDataURL()")
 
     def drawn(self) -> None:
         """Wait until what has come is drawn."""
@@ -231,6 +230,15 @@ def new_user(browser: Any) -> Any:
     user = browser.new_context(viewport={"width": 1366, "height": 768}, accept_downloads=True)
     user.set_default_timeout(1000 * PATIENCE)
     return user
+
+
+def expect(found: Any) -> Any:
+    """Playwright's expectations of what is found, which wait until they hold."""
+    # Imported here, because tests that need no browser run without Playwright.
+    from playwright.sync_api import expect
+
+    expect.set_options(timeout=1000 * PATIENCE)
+    return expect(found)
 
 
 def eventually(holds: Callable[[], bool], seconds: float = PATIENCE) -> bool:
