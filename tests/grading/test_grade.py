@@ -18,6 +18,7 @@ from amorsim.controllers.user import PoseVector, RobotClock, RobotEstimate, Robo
 from amorsim.grading.fence import is_offered
 from amorsim.grading.grade import Grade, grade
 from amorsim.grading.remote import Remote
+from tests.processes import is_running
 from tests.studies import make_study
 from tests.sweeps.studies import SCENARIO
 
@@ -184,11 +185,11 @@ def test_the_memory_of_the_grader_cannot_be_read(course: Path) -> None:
 def test_what_a_submission_leaves_running_is_ended(course: Path) -> None:
     course.write_text(RUBRIC.replace("seeds = [11, 12]", "seeds = [11]"))
     problem = graded(course, stray=STRAY)["stray"].cases[0].problem
-    stray = Path("/proc") / problem.partition("stray ")[2].split()[0] / "stat"
+    stray = int(problem.partition("stray ")[2].split()[0])
     until = time.monotonic() + 60.0
-    while runs(stray) and time.monotonic() < until:
+    while is_running(stray) and time.monotonic() < until:
         time.sleep(0.05)
-    assert not runs(stray)
+    assert not is_running(stray)
 
 
 with_landlock = pytest.mark.skipif(not is_offered(), reason="needs Linux with Landlock")
@@ -285,14 +286,6 @@ def drive(readings, estimate, clock):
     assert not list(place.iterdir())
 
 
-def runs(stat: Path) -> bool:
-    """Whether a process is there and has not ended."""
-    try:
-        return stat.read_text().rpartition(")")[2].split()[0] not in ("Z", "X")
-    except OSError:
-        return False
-
-
 DEAF = """\
 import os
 
@@ -340,13 +333,13 @@ def test_a_submission_ends_with_a_grader_that_is_killed(tmp_path: Path) -> None:
     place = os.environ | {"TMPDIR": str(tmp_path)}  # for what a killed grader leaves
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=place) as grader:
         assert grader.stdout is not None
-        submission = Path("/proc", grader.stdout.readline().strip(), "stat")
-        assert runs(submission)
+        submission = int(grader.stdout.readline())
+        assert is_running(submission)
         grader.kill()
     deadline = time.monotonic() + 60.0
-    while runs(submission) and time.monotonic() < deadline:
+    while is_running(submission) and time.monotonic() < deadline:
         time.sleep(0.05)
-    assert not runs(submission)
+    assert not is_running(submission)
 
 
 @pytest.mark.long

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import amorsim as am
+from tests.processes import is_running
 from tests.studies import make_study
 
 SOUND = "def drive(readings, estimate, clock, speed):\n    return None\n"
@@ -104,19 +105,10 @@ def test_the_processes_that_it_has_started_end_with_it(tmp_path: Path, then: str
     assert len(messages(tmp_path, code + SOUND, time_limit=1.0)) == (then != "pass")
     number = int(pid.read_text())
     for _ in range(100):  # until the system has taken it away
-        if not _runs(number):
+        if not is_running(number):
             return
         time.sleep(0.1)
     raise AssertionError("it runs still")
-
-
-def _runs(pid: int) -> bool:
-    try:
-        os.kill(pid, 0)
-        stat = Path(f"/proc/{pid}/stat")
-        return not stat.exists() or stat.read_text().rpartition(")")[2].split()[0] != "Z"
-    except (ProcessLookupError, FileNotFoundError):
-        return False
 
 
 @posix

@@ -19,6 +19,7 @@ import pytest
 
 from amorsim.cli.console import compile_once
 from amorsim.ui.simulator.packing import FRAME_HEADER
+from tests.processes import is_running
 from tests.ui.aside import aside
 
 
@@ -71,7 +72,7 @@ class View:
 def children_of(pid: int) -> list[str]:
     found: list[str] = []
     for task in Path(f"/proc/{pid}/task").iterdir():
-        with contextlib.suppress(FileNotFoundError):  # a thread that has ended meanwhile
+        with contextlib.suppress(FileNotFoundError, ProcessLookupError):  # a thread that has ended meanwhile
             found += (task / "children").read_text(encoding="ascii").split()
     return found
 
@@ -83,13 +84,6 @@ def until_gone(pids: list[int]) -> float:
         assert time.monotonic() - began < 60.0, "an orphan is left"
         time.sleep(0.01)
     return time.monotonic() - began
-
-
-def is_running(pid: int) -> bool:
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except FileNotFoundError:
-        return False
 
 
 @pytest.fixture

@@ -19,6 +19,7 @@ from amorsim.ui.simulator.mailbox import Mailbox
 from amorsim.ui.simulator.packing import Dynamic, FrameFlag, RobotFlag, unpack_frame
 from amorsim.ui.simulator.recipe import Recipe
 from amorsim.ui.simulator.session import Session
+from tests.processes import is_running
 from tests.ui.aside import aside
 from tests.ui.sessions import Driven, Make, in_time, write_project
 
@@ -47,13 +48,6 @@ def frame(session: Driven, after: int = -1, window: str = "") -> Dynamic:
 
 def state(session: Driven, window: str) -> dict[str, Any]:
     return aside(session.ask(window, {"do": "state"}))
-
-
-def is_running(pid: int) -> bool:
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except FileNotFoundError:
-        return False
 
 
 def test_a_session_from_beginning_to_end(start: Make, tmp_path: Path) -> None:
