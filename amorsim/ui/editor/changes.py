@@ -15,6 +15,7 @@ from amorsim.scenario.layout import MISSING, found_at
 from amorsim.scenario.toml_values import parse
 from amorsim.ui.editor.bitmaps import cropped, filled, painted
 from amorsim.ui.editor.knowing import know_landmarks, know_map
+from amorsim.ui.editor.line_ends import with_line_ends
 from amorsim.ui.editor.sections import SHAPES
 from amorsim.ui.editor.work import Work
 from amorsim.ui.serve.wire import shown
@@ -221,7 +222,7 @@ def _text(work: Work, change: Change) -> None:
     text = change.get("text")
     if not isinstance(text, str) or any("\ud800" <= letter <= "\udfff" for letter in text):
         raise AmorsimError(f"text: expected a text, got {shown(text)}")
-    work.set_text(text)
+    work.set_text(with_line_ends(text, work.text))
 
 
 def _walls(work: Work, change: Change) -> None:

@@ -19,6 +19,7 @@ from amorsim.core.numbers import is_number
 from amorsim.plugins.manager import default_registry
 from amorsim.ui.editor.files import PROGRAM
 from amorsim.ui.editor.formats import map_files
+from amorsim.ui.editor.line_ends import with_line_ends
 from amorsim.ui.editor.reader import Reader
 from amorsim.ui.editor.recent import recent_files
 from amorsim.ui.editor.work import Work
@@ -98,8 +99,7 @@ class Projects:
                 return {"ok": True, "file": program}
             case {"do": "save_code", "file": name, "text": str(text)} if len(text) <= LONGEST_CODE:
                 program = self._program(name)
-                self._write_code(program, text)
-                self._session.meant[work.here / program] = text
+                self._session.meant[work.here / program] = self._write_code(program, text)
                 is_saved = work.save_program(program)
                 self._session.touched()
                 return {"ok": True, "file": program, "is_saved": is_saved}
@@ -232,14 +232,15 @@ class Projects:
         folder = self._session.work.folder
         return place_for(folder, name, PROGRAM).relative_to(folder).as_posix()
 
-    def _write_code(self, program: str, text: str, controller: Any = None) -> None:
-        """Replace the text of a program, as one step; a new one becomes the controller at a path."""
+    def _write_code(self, program: str, typed: str, controller: Any = None) -> str:
+        """Replace the text of a program, as one step; a new one becomes the controller at a path. Returns the text."""
         work = self._session.work
         held = work.program(program)
         if controller is not None and held.text:
             raise AmorsimError(f"{program} is there already; name another file")
+        text = with_line_ends(typed, held.text)
         if held.text == text:
-            return
+            return text
 
         def change(work: Work) -> None:
             work.set_program(program, text)
@@ -250,6 +251,7 @@ class Projects:
         if controller is not None:
             self._session.meant[work.here / program] = text
         self._session.touched()
+        return text
 
 
 def _template() -> str:

@@ -86,6 +86,10 @@ export function atPauses(editor, take) {
   return { now, drop, waits: () => pause !== 0 };
 }
 
+/** A text as it can be shown and typed: with one end of all lines, for which the server puts those of the file.
+ * @param {string} text */
+export const plain = (text) => text.replace(/\r\n?/g, "\n");
+
 /** The file and the name of a controller such as `my_controller.py:drive`; null for one that is registered.
  * @param {string} use */
 export function programOf(use) {
@@ -133,7 +137,7 @@ export async function showCode(page, file) {
   const close = h("button", {}, "close");
   const dialog = open(file, h("div", { class: "code" }, area, state), [close, save]);
   const editor = await dress(area, "python");
-  let [written, isSaved] = [said.text, said.is_saved]; // what the document says, and whether the file does
+  let [written, isSaved] = [plain(said.text), said.is_saved]; // what the document says, and whether the file does
   let tried = ""; // what the user has asked to be tried
   const show = () => {
     const faults = faultsIn(page, file);
@@ -169,7 +173,7 @@ export async function showCode(page, file) {
     else {
       const now = await page.connection.ask({ do: "code", file });
       if (now.ok && editor.value() === written) { // another window, or an undo, may have changed it
-        [written, isSaved] = [now.text, now.is_saved];
+        [written, isSaved] = [plain(now.text), now.is_saved];
         if (editor.value() !== written) editor.put(written);
       }
     }

@@ -1,7 +1,7 @@
 // Saving, running, and the whole file as text.
 
 import { askName, open, tell } from "../shared/dialogs.js";
-import { atPauses, dress } from "./code.js";
+import { atPauses, dress, plain } from "./code.js";
 import { h, say } from "../shared/dom.js";
 
 /** Save it, or ask for a name where it has none.
@@ -51,7 +51,7 @@ export async function showText(page) {
   const close = h("button", { class: "main" }, "close");
   const dialog = open(page.state.name, h("div", { class: "code" }, area), [close]);
   const editor = await dress(area, "toml");
-  let written = said.text;
+  let written = plain(said.text);
   const typed = atPauses(editor, async () => {
     const text = editor.value();
     if (page.watching || text === written) return;
@@ -63,7 +63,7 @@ export async function showText(page) {
     if (editor.value() !== written) await (typed.waits() ? null : typed.now()); // what was lost with the connection
     else {
       const now = await page.connection.ask({ do: "text" });
-      if (now.ok && editor.value() === written && now.text !== written) editor.put(written = now.text); // an undo, or another window
+      if (now.ok && editor.value() === written && plain(now.text) !== written) editor.put(written = plain(now.text)); // an undo, or another window
     }
     show();
   };
