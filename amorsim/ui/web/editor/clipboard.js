@@ -1,6 +1,7 @@
 // Copies of things and walls, and the changes of the document that paste them.
 
 import { round } from "./geometry.js";
+import { startsOf } from "./ghosts.js";
 import { freeName } from "./things.js";
 
 const KEPT = "amorsim-copied";
@@ -33,7 +34,7 @@ export function keep(clip) {
 
 /** What was copied last, here or in another window; null where nothing was.
  * @returns {Awaited<ReturnType<typeof copyOf>>} */
-export function lastCopy() {
+function lastCopy() {
   try {
     return JSON.parse(localStorage.getItem(KEPT) ?? "null");
   } catch {
@@ -85,13 +86,44 @@ export function pasted(names, clip, [dx, dy]) {
   return changes;
 }
 
+/** How far just aside is [m]. */
+const aside = (page) => {
+  const step = 2 * (page.grid || 0.1);
+  return [step, -step];
+};
+
+/** By how much copies are shifted [m] so that they are seen: just aside, or else into the middle of what is seen.
+ * @param {import("./editor.js").EditorPage} page
+ * @param {NonNullable<Awaited<ReturnType<typeof copyOf>>>} clip */
+function placeFor(page, clip) {
+  const points = [
+    ...clip.walls.flatMap(([a, b, c, d]) => [[a, b], [c, d]]),
+    ...clip.things.flatMap(({ thing }) => (thing?.pose ? [thing.pose] : thing ? startsOf(thing).flatMap(({ points: own }) => own) : [])),
+  ];
+  const [dx, dy] = aside(page);
+  const [x, y] = [0, 1].map((k) => (Math.min(...points.map((point) => point[k])) + Math.max(...points.map((point) => point[k]))) / 2);
+  const { camera } = page.stage;
+  const [x0, y0, x1, y1] = camera.bounds();
+  if (!points.length || (x + dx > x0 && x + dx < x1 && y + dy > y0 && y + dy < y1)) return [dx, dy];
+  const grid = page.grid || 0.1;
+  return [camera.x - x, camera.y - y].map((by) => round(Math.round(by / grid) * grid));
+}
+
 /** Put copies as one step, and select them; shifted by so much [m], or just aside.
  * @param {import("./editor.js").EditorPage} page
  * @param {string} label
  * @param {NonNullable<Awaited<ReturnType<typeof copyOf>>>} clip
  * @param {number[]} [shift] */
 export async function put(page, label, clip, shift) {
-  const aside = 2 * (page.grid || 0.1);
-  const said = await page.edit(label, pasted([...page.stage.things], clip, shift ?? [aside, -aside]));
-  if (said.ok && said.added.length) page.choose(said.added);
+  const first = page.stage.walls.walls.length;
+  const said = await page.edit(label, pasted([...page.stage.things], clip, shift ?? aside(page)));
+  if (said.ok) page.choose(said.added, { first, count: clip.walls.length });
+}
+
+/** Put copies of what was copied, here or in another window.
+ * @param {import("./editor.js").EditorPage} page */
+export async function paste(page) {
+  const clip = lastCopy() ?? page.clip;
+  if (clip) await put(page, "paste", clip, placeFor(page, clip));
+  else page.hint("nothing was copied yet");
 }

@@ -5,7 +5,7 @@ import { Connection } from "../shared/socket.js";
 import { startTheme } from "../shared/theme.js";
 import { Hand } from "../shared/tool.js";
 import { showMenu } from "./adding.js";
-import { copyOf, keep, lastCopy, put } from "./clipboard.js";
+import { copyOf, keep, paste, put } from "./clipboard.js";
 import { CircleTool, LineTool, MeasureTool, RectangleTool } from "./draw_tools.js";
 import { showText } from "./files.js";
 import { Ghosts } from "./ghosts.js";
@@ -144,18 +144,23 @@ export class EditorPage {
     say(parts.problems, faults.length === 1 ? "1 fault" : faults.length ? `${faults.length} faults` : "no faults");
     parts.faults.hidden = !faults.length;
     parts.faults.replaceChildren(faultButtons(faults, (at) => this.goTo(at)));
-    if (this.wanted) this.choose(this.wanted);
+    if (this.wanted) this.choose(this.wanted.paths, this.wanted.walls);
     if (this.fitsNext) stage.fit();
     this.fitsNext = false;
     this.showCodeFaults?.();
     this.ghosts.ask();
   }
 
-  /** Select a thing once it is there. @param {string[]} paths */
-  choose(paths) {
-    const things = this.stage.things.filter(({ path }) => paths.includes(path));
-    this.wanted = things.length < paths.length ? paths : null;
-    if (things.length) this.stage.selection.set(things.map((thing) => this.stage.chosenOf(thing)));
+  /** Select things, and walls that come last, once they are there.
+   * @param {string[]} paths
+   * @param {{first: number, count: number}} [walls] */
+  choose(paths, walls = { first: 0, count: 0 }) {
+    const { stage } = this;
+    const things = stage.things.filter(({ path }) => paths.includes(path)).map((thing) => stage.chosenOf(thing));
+    const isThere = things.length >= paths.length && stage.walls.walls.length >= walls.first + walls.count;
+    this.wanted = isThere ? null : { paths, walls };
+    const lines = isThere ? Array.from({ length: walls.count }, (_, n) => stage.chosenWall(walls.first + n)) : [];
+    if (things.length || lines.length) stage.selection.set([...things, ...lines]);
   }
 
   /** Show what a fault is about. @param {string} at */
@@ -220,10 +225,8 @@ export class EditorPage {
     if (isCut) await this.remove();
   }
 
-  /** Put copies of what was copied, here or in another window. @param {number[]} [shift] [m] */
-  async paste(shift) {
-    const clip = lastCopy() ?? this.clip;
-    if (clip) await put(this, "paste", clip, shift);
+  paste() {
+    return paste(this);
   }
 
   async duplicate() {
