@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import PurePath
 from typing import Any, TypedDict
@@ -62,7 +63,8 @@ def things_of(document: Document, partial: Partial, registry: Registry) -> list[
         found[1]["note"] = f"generated: {world['map'].get('generate', '?')}"
     robots = list(enumerate(partial.robots))
     order = sorted(range(len(partial.obstacles)), key=lambda number: partial.obstacles[number].name)
-    obstacles = [(order.index(number), one) for number, one in enumerate(partial.obstacles)]
+    place_of = {number: place for place, number in enumerate(order)}
+    obstacles = [(place_of[number], one) for number, one in enumerate(partial.obstacles)]
     outlines = {outline.name: outline for outline in partial.outlines}
     for number, table in _tables(values, "robots"):
         thing = _body("robots", number, table, robots, outlines, "robot")
@@ -102,13 +104,18 @@ def things_of(document: Document, partial: Partial, registry: Registry) -> list[
             found.append(thing)
     found.insert(2, _thing("recording", "settings", "recording", "what a run writes"))
     found.insert(3, _thing("floor", "settings", "floor", "lines, areas, drops"))
+    counts = Counter(before for fault in partial.faults for before in _starts_of(fault.path))
     for thing in found:
         if thing["kind"] in ("robot", "obstacle") or thing["path"] == "floor":
             thing["places"] = places_at(values, thing["path"], registry, folder)
-        thing["faults"] = sum(
-            fault.path == thing["path"] or fault.path.startswith(f"{thing['path']}.") for fault in partial.faults
-        )
+        thing["faults"] = counts[thing["path"]]
     return found
+
+
+def _starts_of(path: str) -> list[str]:
+    """The paths of the table and of the item in a list of tables that a path may lead into: ``a`` and ``a.b``."""
+    parts = path.split(".")
+    return [".".join(parts[:count]) for count in (1, 2) if count <= len(parts)]
 
 
 def _both(*notes: str) -> str:
@@ -157,8 +164,11 @@ def _body(
     thing = _thing(f"{key}.{number}", _NAMED[key], _name(table, default), "")
     name = thing["name"]
     is_series = "count" in table or "start" in table
-    own = [(place, body) for place, body in bodies if body.name == name or (is_series and _is_of(body.name, name))]
-    own = own if is_series else own[:1]
+    if is_series:
+        own = [(place, body) for place, body in bodies if body.name == name or _is_of(body.name, name)]
+    else:  # which is mostly the first of them, for tables and bodies have the same order
+        first = next((one for one in bodies if one[1].name == name), None)
+        own = [] if first is None else [first]
     for one in own:
         bodies.remove(one)
     places = [place for place, _ in own]
