@@ -19,7 +19,7 @@ from amorsim.core.errors import AmorsimError
 from amorsim.core.numbers import is_number
 from amorsim.ui.editor.walls import WallsError
 
-__all__ = ["CODEC", "SUFFIXES", "cropped", "decode", "encode", "filled", "painted", "shape_of"]
+__all__ = ["CODEC", "SUFFIXES", "cropped", "decode", "encode", "filled", "painted", "pixels_apart", "shape_of"]
 
 CODEC = "bitmap"  # in place of the encoding of a text
 SUFFIXES = (".png", ".bmp", ".pgm")
@@ -74,6 +74,24 @@ def shape_of(text: str) -> tuple[int, int]:
     """The number of rows and of columns."""
     rows, columns = text[: text.index("\n")].split()
     return int(rows), int(columns)
+
+
+def pixels_apart(old: str, new: str) -> list[str]:
+    """By what two pictures differ, in words: nothing if they are the same."""
+    before, after = shape_of(old), shape_of(new)
+    if before != after:
+        return [f"{sign}{rows} rows, {columns} columns" for sign, (rows, columns) in (("-", before), ("+", after))]
+    count, at_rows, at_columns = 0, [], []
+    for number, (one, other) in enumerate(zip(old.splitlines()[1:], new.splitlines()[1:], strict=True), start=1):
+        if one != other:
+            places = np.flatnonzero(_row(one) != _row(other)) + 1
+            count += len(places)
+            at_rows.append(number)
+            at_columns += [int(places[0]), int(places[-1])]
+    if not count:
+        return []
+    rows, columns = f"rows {at_rows[0]} to {at_rows[-1]}", f"columns {min(at_columns)} to {max(at_columns)}"
+    return [f"{count} pixels differ, in {rows} and {columns}, from the upper left"]
 
 
 def painted(text: str, spans: Any, *, is_occupied: bool) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import base64
-import difflib
 import io
 import re
 import tempfile
@@ -17,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 from amorsim.core.errors import AmorsimError
 from amorsim.core.numbers import is_number
 from amorsim.plugins.manager import default_registry
+from amorsim.ui.editor.differing import differing_lines
 from amorsim.ui.editor.files import PROGRAM
 from amorsim.ui.editor.formats import map_files
 from amorsim.ui.editor.line_ends import with_line_ends
@@ -56,7 +56,7 @@ class Projects:
         work = self._session.work
         match command:
             case {"do": "difference"}:
-                return {"ok": True, "text": await asyncio.to_thread(self._difference)}
+                return {"ok": True, "text": "\n".join(await asyncio.to_thread(differing_lines, work))}
             case {"do": "others"}:
                 return {"ok": True, **await asyncio.to_thread(self._others)}
             case {"do": "open", "name": str(name)}:
@@ -123,20 +123,6 @@ class Projects:
         return found
 
     # ----------------------------------------------------------------------------------------------------------- files
-
-    def _difference(self) -> str:
-        """A patch from the files to what is edited."""
-        work = self._session.work
-        found: list[str] = []
-        for name, text in work.texts.items():
-            path = Path(name) if name else work.path
-            try:
-                old = path.read_text(encoding="utf-8", errors="replace")
-            except OSError:
-                old = ""
-            names = f"{path.name}, the file", f"{path.name}, here"
-            found += difflib.unified_diff(old.splitlines(), text.splitlines(), *names, lineterm="")
-        return "\n".join(found)
 
     def _others(self) -> Answer:
         """Scenarios that can be opened: recent ones, those of the project, and the bundled ones."""

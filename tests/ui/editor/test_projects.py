@@ -11,7 +11,9 @@ import zipfile
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from PIL import Image
 
 import amorsim as am
 from amorsim.ui.editor.session import EditSession
@@ -283,6 +285,29 @@ def test_what_differs_from_a_file_that_was_changed_is_reported(tmp_path: Path) -
         assert "-duration = 30.0" in lines
         assert "+duration = 300.0" in lines
         assert "+seed = 5" in lines
+
+    talk(str(file), tmp_path, say)
+
+
+def test_what_differs_from_a_bitmap_that_was_changed_is_said_in_numbers(tmp_path: Path) -> None:
+    levels = np.full((60, 80), 255, dtype=np.uint8)
+    picture, file = tmp_path / "room.png", tmp_path / "mine.toml"
+    Image.fromarray(levels).save(picture)
+    file.write_text('format = 1\n[world]\nmap = "room.png"\nresolution = 0.1\n')
+
+    async def say(session: EditSession) -> None:
+        assert (await do(session, do="difference"))["text"] == ""
+        change = {"op": "paint", "spans": [[4, 10, 30], [6, 20, 21]], "occupied": True}
+        await do(session, do="edit", label="paint", changes=[change])
+        words = ["--- room.png, the file", "+++ room.png, here"]
+        pixels = "21 pixels differ, in rows 5 to 7 and columns 11 to 30, from the upper left"
+        assert (await do(session, do="difference"))["text"].splitlines() == [*words, pixels]
+        Image.fromarray(levels[:50]).save(picture)
+        sizes = ["-50 rows, 80 columns", "+60 rows, 80 columns"]
+        assert (await do(session, do="difference"))["text"].splitlines() == [*words, *sizes]
+        picture.write_bytes(b"no picture")
+        (*_, last) = (await do(session, do="difference"))["text"].splitlines()
+        assert last.startswith("-room.png: cannot be read")
 
     talk(str(file), tmp_path, say)
 
