@@ -15,7 +15,7 @@ from amorsim.ui.scene.wire import ObstacleShape, OutlineShape, RobotEntry, Scene
 
 __all__ = ["StillBuilder"]
 
-_NOTHING = [-2.0, -2.0, 2.0, 2.0]  # m, what is seen of a world in which nothing stands
+_NOTHING = [0.0, 0.0, 12.0, 8.0]  # m, what is seen of a world in which nothing stands: room for some rooms
 
 
 class StillBuilder:

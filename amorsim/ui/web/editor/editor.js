@@ -137,13 +137,14 @@ export class EditorPage {
     this.faults = faults;
     if (this.toolName === "select") stage.preview = null;
     for (const stroke of stage.strokes) stroke.isRead ||= stroke.isKept && !this.state.is_behind;
+    // First of all, for they take room from the drawing.
+    say(parts.problems, faults.length === 1 ? "1 fault" : faults.length ? `${faults.length} faults` : "no faults");
+    parts.faults.hidden = !faults.length;
+    parts.faults.replaceChildren(faultButtons(faults, (at) => this.goTo(at)));
     stage.update({ still, things }, (name) => this.image(name));
     const { walls } = stage.walls;
     this.objects.show(things, walls);
     counts(parts.counts, things, walls);
-    say(parts.problems, faults.length === 1 ? "1 fault" : faults.length ? `${faults.length} faults` : "no faults");
-    parts.faults.hidden = !faults.length;
-    parts.faults.replaceChildren(faultButtons(faults, (at) => this.goTo(at)));
     if (this.wanted) this.choose(this.wanted.paths, this.wanted.walls);
     if (this.fitsNext) stage.fit();
     this.fitsNext = false;

@@ -10,6 +10,7 @@ import { gripsOf } from "./grips.js";
 import { MarksLayer, PreviewLayer, WordsLayer } from "./layers.js";
 import { thingAt } from "./picking.js";
 import { RulersLayer, WIDE } from "./rulers.js";
+import { EditSight } from "./sight.js";
 import { UnderlayLayer } from "./underlay.js";
 import { PlacesLayer, ViewsLayer } from "./views.js";
 
@@ -42,6 +43,7 @@ export class EditStage extends StillStage {
     /** @type {Map<string, Thing>} */
     this.byPath = new Map();
     this.walls = new Walls([], [0, 0, 1, 1]);
+    this.sight = new EditSight(this);
     /** What a tool is about to do. @type {any} */
     this.preview = null;
     /** Where things are while they are dragged, by path. @type {Map<string, number[]>} */

@@ -9,6 +9,7 @@ import { NEAR, WorldPicker, at } from "./pick.js";
 import { Pictures } from "./pictures.js";
 import { readScene } from "./scene.js";
 import { Selection } from "./selection.js";
+import { Sight } from "./sight.js";
 import { readTheme } from "./theme.js";
 import { Hand } from "./tool.js";
 import { BodiesLayer, NamesLayer, SceneLayer, SelectionLayer, WorldLayer } from "./world.js";
@@ -108,6 +109,7 @@ export class StillStage {
     /** @type {Selection<Found>} */
     this.selection = new Selection();
     this.selection.listen(() => this.touch());
+    this.sight = new Sight(this);
     this.looks = 0; // how often what stands still has come to look otherwise
     this.pane = new Canvas({ id, label: `${label}. ${HELP}`, camera: this.camera, theme: this.theme });
     this.pane.layers = [
@@ -130,6 +132,7 @@ export class StillStage {
    * @param {(name: string) => Promise<string | null>} pictureOf the address of a map's picture */
   show(still, pictureOf) {
     const before = this.still?.extent;
+    const keeps = this.sight.keeps(still) && before;
     this.still = still;
     this.scene = still && readScene(still.scene);
     this.frame = still && stillFrame(still);
@@ -138,7 +141,7 @@ export class StillStage {
     if (still) this.picker.setScene(this.scene, still.extent);
     const isSame = before && still && before.every((value, n) => value === still.extent[n]);
     this.resize();
-    if (!isSame) this.fit();
+    if (!isSame && !keeps) this.fit();
     this.touch();
   }
 
@@ -179,10 +182,10 @@ export class StillStage {
   resize() {
     const { camera } = this;
     const wasFitted = !this.fitted || [camera.x, camera.y, camera.scale].every((part, n) => part === this.fitted?.[n]);
+    const before = [camera.width, camera.height];
     const [width, height] = this.pane.resize();
-    const isChanged = width !== camera.width || height !== camera.height;
     camera.resize(width, height);
-    if (isChanged && wasFitted) this.fit();
+    if (width !== before[0] || height !== before[1]) this.sight.resized(before, wasFitted);
     this.redraw();
   }
 
