@@ -144,8 +144,8 @@ def angles_of(robot: RobotModel, encoder: str, measured: Array, joints: Array) -
     """Angles `(N, j)` [rad] of the joints at the last reading and at this one; `joints` is nan before the first.
 
     A reading of nan, or of angles that no wheel can have turned, is none: the joints stand until the next one, which
-    shows all that they have moved since. A reading that has leapt further than wheels turn from one to the next is a
-    counter that began again, or slipped: nobody knows what moved meanwhile, so nothing has, and it is the new reference.
+    shows all that they have moved since. Where counts have leapt further than wheels turn from one reading to the next,
+    nobody knows what moved: nothing has, and the reading is the new reference.
     """
     sensor: Any = robot.sensors[encoder].sensor
     after = sensor.angles(measured)
