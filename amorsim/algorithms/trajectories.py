@@ -20,8 +20,10 @@ __all__ = [
     "associate",
     "first_pose_transform",
     "interpolated",
+    "nearest",
     "pairs_by_distance",
     "pairs_by_steps",
+    "pairs_by_time",
     "path_lengths",
     "relative_errors",
     "umeyama",
@@ -109,7 +111,12 @@ def associate(times: Array, others: Array, most: float) -> tuple[Ints, Ints]:
     if len(others) < len(times):
         second, first = associate(others, times, most)
         return first, second
-    if not len(times):
+    return nearest(times, others, most)
+
+
+def nearest(times: Array, others: Array, most: float) -> tuple[Ints, Ints]:
+    """For each of an increasing series of times [s], the nearest of another: places of both, as `associate`."""
+    if not len(times) or not len(others):
         return np.empty(0, np.int64), np.empty(0, np.int64)
     after = np.minimum(np.searchsorted(others, times, side="right"), len(others) - 1)
     before = np.maximum(after - 1, 0)
@@ -150,6 +157,31 @@ def pairs_by_steps(count: int, delta: int, *, every: bool = True) -> tuple[Ints,
     """Places of poses `delta` steps apart: from every pose, or one after another."""
     first = np.arange(0, count - delta, 1 if every else delta)
     return first, first + delta
+
+
+def pairs_by_time(times: Array, delta: float, *, every: bool = True) -> tuple[Ints, Ints]:
+    """Places of poses that are `delta` [s] apart, rounded to whole steps: from every pose, or one after another.
+
+    A step is the median one. Where a pose has none at the end of its stretch, to half a step, it begins no stretch.
+    """
+    different = np.unique(times)
+    if len(different) < 2:
+        return np.empty(0, np.int64), np.empty(0, np.int64)
+    step = float(np.median(np.diff(different)))
+    ends = times + max(1, round(delta / step)) * step
+    after = np.minimum(np.searchsorted(times, ends), len(times) - 1)
+    before = np.maximum(after - 1, 0)
+    last = np.where(np.abs(times[after] - ends) <= np.abs(times[before] - ends), after, before)
+    first = np.flatnonzero(np.abs(times[last] - ends) <= (0.5 + 1e-6) * step)
+    last = last[first]
+    if every:
+        return first, last
+    taken, free = [], 0  # the first pose that the next stretch may begin at
+    for place, end in enumerate(last.tolist()):
+        if first[place] >= free:
+            taken.append(place)
+            free = end
+    return first[taken], last[taken]
 
 
 def pairs_by_distance(poses: Array, delta: float, *, every: bool = True, tolerance: float = 0.1) -> tuple[Ints, Ints]:

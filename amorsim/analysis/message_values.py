@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.analysis.trajectory import yaw
 from amorsim.contracts import Sensor
 from amorsim.core.errors import AnalysisError
 from amorsim.core.rows import stack
@@ -83,8 +84,7 @@ def _plane(place: Any, turned: Any) -> Pose:
 
 
 def _yaw(turned: Any) -> float:
-    x, y, z, w = turned.x, turned.y, turned.z, turned.w
-    return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    return yaw(turned.x, turned.y, turned.z, turned.w)
 
 
 def reading_of(kind: str, content: Any, sensor: Sensor, robot: Robot, topic: str) -> Array:

@@ -14,8 +14,10 @@ from amorsim.algorithms.trajectories import (
     associate,
     first_pose_transform,
     interpolated,
+    nearest,
     pairs_by_distance,
     pairs_by_steps,
+    pairs_by_time,
     path_lengths,
     relative_errors,
     umeyama,
@@ -82,7 +84,7 @@ class PoseErrors:
     transform
         What was done to the estimate before; the identity without alignment.
     dropped
-        How many poses of the shorter trajectory have no partner in the other.
+        How many poses of the shorter trajectory have no partner in the other; with interpolation, of the estimate.
     """
 
     what: str
@@ -188,7 +190,8 @@ def rpe(
     Parameters
     ----------
     delta, unit
-        The stretch: ``"m"`` of estimated path, ``"steps"`` from pose to pose, or ``"s"``.
+        The stretch: ``"m"`` of estimated path, ``"steps"`` from pose to pose, or ``"s"``, rounded to whole steps. A
+        pose that has none at the end of its seconds begins no stretch.
     every
         From every pose, or else one stretch after another.
     align, most_apart, interpolate
@@ -215,8 +218,7 @@ def rpe(
     elif unit == "steps":
         pairs = pairs_by_steps(len(time), int(delta), every=every)
     else:
-        step = float(np.median(np.diff(time))) if len(time) > 1 else math.inf
-        pairs = pairs_by_steps(len(time), max(1, round(delta / step)) if step < math.inf else 1, every=every)
+        pairs = pairs_by_time(time, size, every=every)
     if not len(pairs[0]):
         raise AnalysisError(
             f"{estimate.name}: there is no stretch of {delta:g} {unit} in it; it has {len(time)} poses over "
@@ -301,8 +303,11 @@ def _together(
     if not _number(most_apart, "most_apart", "a number >= 0 [s]") >= 0.0:
         raise AnalysisError(f"most_apart: expected a number >= 0 [s], got {in_words(most_apart)}")
     # Times that were written with fewer digits are still those of the same step.
-    first, second = associate(reference.time, estimate.time, most_apart + 1e-9)
-    if not len(first):
+    if interpolate:  # between poses of the reference there may be many of the estimate
+        second, first = nearest(estimate.time, reference.time, most_apart + 1e-9)
+    else:
+        first, second = associate(reference.time, estimate.time, most_apart + 1e-9)
+    if not len(second):
         raise AnalysisError(
             f"{reference!r} and {estimate!r} have no poses less than {most_apart:g} s apart; give most_apart, or bring "
             "their clocks together"
@@ -320,7 +325,7 @@ def _together(
     inside = (time >= reference.time[0]) & (time <= reference.time[-1])
     time, believed = time[inside], believed[inside]
     true = interpolated(reference.time, reference.poses, time)
-    dropped = min(len(reference), len(estimate)) - len(time)
+    dropped = len(estimate) - len(time)
     return true, believed, time, np.interp(time, reference.time, lengths), dropped
 
 

@@ -26,11 +26,13 @@ __all__ = [
     "write_csv",
     "write_kitti",
     "write_tum",
+    "yaw",
 ]
 
 Array = npt.NDArray[np.float64]
 
 _CSV = ("time", "x", "y", "heading")
+_ROUNDED = 1e-3  # what rounding to a few digits may do to the length of a quaternion; it is read as it is written
 
 
 @attrs.frozen(kw_only=True, eq=False)
@@ -131,7 +133,7 @@ def read_tum(path: str | os.PathLike[str]) -> Trajectory:
         If it cannot be read, with the line.
     """
     table = _numbers(path, 8)
-    heading = [_yaw(*row) for row in table[:, 4:].tolist()]
+    heading = [yaw(*row) for row in table[:, 4:].tolist()]
     return Trajectory(time=table[:, 0], poses=np.column_stack((table[:, 1:3], heading)), name=str(path))
 
 
@@ -228,7 +230,11 @@ def _lines(path: str | os.PathLike[str]) -> list[tuple[int, str]]:
     return [(number, line.strip()) for number, line in enumerate(text.split("\n"), start=1) if line.strip()]
 
 
-def _yaw(x: float, y: float, z: float, w: float) -> float:
+def yaw(x: float, y: float, z: float, w: float) -> float:
+    """The heading [rad] of a quaternion; one that is longer or shorter than 1 is scaled, zeros alone are heading 0."""
+    length = math.hypot(x, y, z, w)
+    if abs(length - 1.0) > _ROUNDED and length > 0.0:
+        x, y, z, w = x / length, y / length, z / length, w / length
     return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import math
 import time
 from pathlib import Path
@@ -80,6 +81,7 @@ def command(
     if out.exists() and not force:
         raise AmorsimError(f"{out} is there already; --force replaces it, -o names another file")
     check_place(out)
+    _check_picture(out)
     compile_once(lambda: look_up_world(source, seed=seed, resolution=resolution, changes=of_world))
     world = read_any_world(source, seed=seed, resolution=resolution, changes=of_world)
     for warning in world.warnings:
@@ -168,6 +170,18 @@ def _shape(footprint: str | None, robot: str | None) -> Shape | None:
         ) from None
 
 
+def _check_picture(out: Path) -> None:
+    """Raise if the ending is of no kind of picture that can be written in colours, by writing a small one."""
+    from PIL import Image
+
+    from amorsim.core.errors import AmorsimError
+
+    try:
+        Image.new("RGB", (1, 1)).save(io.BytesIO(), Image.registered_extensions()[out.suffix.lower()])
+    except (KeyError, OSError, ValueError):
+        raise AmorsimError(f"{out}: expected the name of a picture, such as plan.png") from None
+
+
 def _draw(
     world: Map, plan: Plan, ends: tuple[tuple[float, ...], tuple[float, ...]], body: Shape | None, out: Path, title: str
 ) -> None:
@@ -176,8 +190,5 @@ def _draw(
     from amorsim.render.plan_picture import draw_plan
 
     image = draw_plan(world, plan, *ends, footprint=body, title=title)
-    try:
-        with replacing(out, AmorsimError) as file:
-            image.save(file)
-    except ValueError:
-        raise AmorsimError(f"{out}: expected the name of a picture, such as plan.png") from None
+    with replacing(out, AmorsimError) as file:
+        image.save(file)

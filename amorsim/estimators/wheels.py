@@ -17,6 +17,7 @@ __all__ = ["Reckoned", "Step", "angles_of", "carry", "check_encoder", "reckon", 
 Array = npt.NDArray[np.float64]
 
 _FAR = 1e12  # [rad] further than any wheel turns; squares of lengths beyond are no numbers soon
+_LEAP = 1e4  # [rad] more than any wheel turns between two readings: over a thousand turns
 _NUDGE = 1e-5  # [rad] by which a joint is turned to find the body's motion; the error is of second order in it
 
 
@@ -143,11 +144,16 @@ def angles_of(robot: RobotModel, encoder: str, measured: Array, joints: Array) -
     """Angles `(N, j)` [rad] of the joints at the last reading and at this one; `joints` is nan before the first.
 
     A reading of nan, or of angles that no wheel can have turned, is none: the joints stand until the next one, which
-    shows all that they have moved since.
+    shows all that they have moved since. Where counts have leapt further than wheels turn from one reading to the next,
+    nobody knows what moved: nothing has, and the reading is the new reference.
     """
     sensor: Any = robot.sensors[encoder].sensor
     after = sensor.angles(measured)
     lacks = ~(np.abs(after) < _FAR)
     if lacks.any():
         after = np.where(lacks.any(axis=1, keepdims=True), joints, after)
-    return np.where(np.isnan(joints), after, joints), after  # the first reading is the reference of all others
+    before = np.where(np.isnan(joints), after, joints)  # the first reading is the reference of all others
+    leapt = np.abs(after - before) > _LEAP
+    if leapt.any():
+        before = np.where(leapt.any(axis=1, keepdims=True), after, before)
+    return before, after

@@ -119,6 +119,44 @@ def test_interpolation_finds_poses_between() -> None:
     assert ape(reference, between).statistics.max == pytest.approx(0.03)
 
 
+def test_interpolation_takes_all_poses_of_a_denser_estimate() -> None:
+    reference, dense = line(11), line(101)
+    dense = Trajectory(time=dense.time / 10.0, poses=dense.poses * np.array([0.1, 1.0, 1.0]))
+    found = ape(reference, dense, interpolate=True)
+    assert (len(found), found.dropped) == (101, 0)
+    assert found.statistics.max < 1e-12
+    assert len(ape(reference, dense)) == 11
+    # Where the reference has a gap, nothing is known between.
+    kept = np.r_[0:4, 7:11]
+    gap = Trajectory(time=reference.time[kept], poses=reference.poses[kept])
+    found = ape(gap, dense, interpolate=True)
+    assert (len(found), found.dropped) == (101 - 29, 29)
+
+
+@pytest.mark.parametrize("every", [True, False])
+def test_a_stretch_of_time_is_so_long_across_gaps_too(every: bool) -> None:
+    """A robot whose estimate is 10 % too slow, so that each stretch of 0.5 s is 5 cm wrong; a third is missing."""
+    reference, slow = line(101), line(101, speed=0.9)
+    kept = np.sort(np.random.default_rng(5).permutation(101)[:70])
+    kept = kept[(kept < 40) | (kept > 60)]
+    found = rpe(reference, Trajectory(time=slow.time[kept], poses=slow.poses[kept]), delta=0.5, unit="s", every=every)
+    assert found.position == pytest.approx(0.05)
+    there = set(kept.tolist())
+    if every:
+        assert np.round(found.time * 10).astype(int).tolist() == [k for k in sorted(there) if k - 5 in there]
+    else:  # one after another, none of which begins before the one before has ended
+        assert len(found) > 3
+        assert (np.diff(found.time) > 0.5 - 1e-9).all()
+        assert found.time.max() > 7.0  # they go on behind the gap
+
+
+def test_a_stretch_of_time_may_be_asked_for_where_poses_share_a_partner() -> None:
+    quick = Trajectory(time=0.01 * np.arange(101), poses=np.zeros((101, 3)))
+    slow = line(201)
+    found = rpe(quick, slow, delta=0.5, unit="s", most_apart=0.05)
+    assert found.position == pytest.approx(0.5)
+
+
 def test_errors_by_time_and_distance() -> None:
     reference, slow = line(), line(speed=0.9)
     found = ape(reference, slow)

@@ -28,6 +28,13 @@ def some() -> Trajectory:
     return Trajectory(time=np.arange(50) * 0.1, poses=poses)
 
 
+def test_a_quaternion_of_any_length_is_a_heading(tmp_path: Path) -> None:
+    ends = "0 0 2 2", "0 0 3 -3", "0 0 1e-200 1e-200", "0 0 0 0"
+    (tmp_path / "a.tum").write_text("".join(f"{time} 1 2 0 {end}\n" for time, end in enumerate(ends)))
+    quarter = math.pi / 2
+    assert read_tum(tmp_path / "a.tum").poses[:, 2] == pytest.approx([quarter, -quarter, quarter, 0.0], abs=1e-15)
+
+
 def test_files_give_the_poses_back(tmp_path: Path) -> None:
     made = some()
     write_csv(made, tmp_path / "a.csv")

@@ -155,6 +155,16 @@ def test_a_mistake_is_said_in_words(
     assert not list(tmp_path.glob("plan.*"))
 
 
+@pytest.mark.parametrize("name", ["plan.txt", "plan", "plan.xbm"])  # a known ending, that of a black and white picture
+def test_a_picture_that_cannot_be_written_is_refused_before_the_search(
+    amorsim: Command, rooms: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    monkeypatch.setattr("amorsim.cli.plan._timed", lambda *_: pytest.fail("it searched"))
+    result = amorsim("plan", rooms, *ENDS, "-o", name)
+    assert (result.status, result.err) == (2, f"{name}: expected the name of a picture, such as plan.png\n")
+    assert not (tmp_path / name).exists()
+
+
 def test_a_missing_map_is_said_in_words(amorsim: Command) -> None:
     result = amorsim("plan", "nowhere.png", *ENDS)
     assert result.status == 2

@@ -9,7 +9,7 @@ import amorsim as am
 from tests.estimators.test_bits import MAKERS, scenario
 
 
-def followed(name, lost=(), begins=0, value=np.nan):
+def followed(name, lost=(), begins=0, value=np.nan, jumps=()):
     """The last pose of an estimator that got no reading of the encoder in some steps, and what it is with all."""
     sim = am.Simulation(scenario(name), seed=5)
     runner = am.EstimatorRunner(sim.scenario.robots[0], "it", dt=sim.dt, seed=5)
@@ -22,6 +22,8 @@ def followed(name, lost=(), begins=0, value=np.nan):
             del readings["encoder"]
         elif step in lost:
             readings["encoder"][-1] = value
+        elif step in jumps:
+            readings["encoder"][0] += 1e9
         estimate = runner.update(frame.time[0], readings, frame.command[0])
         assert np.isfinite(estimate.covariance).all()
         if "failed" in frame.beliefs.get("it", {}):
@@ -50,3 +52,12 @@ def test_a_log_need_not_begin_with_the_encoder(name):
     found, wanted = followed(name, begins=2)
     # What the wheels did before their first reading nobody knows: 0.08 m at most. Particles are drawn at other times.
     assert np.hypot(*(found - wanted)[:2]) < (0.3 if name == "monte_carlo" else 0.1)
+
+
+@pytest.mark.parametrize("jumps", [(5,), range(5, 12)], ids=["once", "for good"])
+@pytest.mark.parametrize("name", MAKERS)
+def test_counts_that_jump_further_than_a_wheel_turns_begin_again(name, jumps):
+    found, wanted = followed(name, jumps=jumps)
+    # What the wheels did in the step of a jump nobody knows: 0.08 m in two steps at most.
+    assert np.hypot(*(found - wanted)[:2]) < (0.3 if name == "monte_carlo" else 0.1)
+    assert abs(found[2] - wanted[2]) < 0.1
