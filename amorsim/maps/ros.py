@@ -32,7 +32,7 @@ from amorsim.core.errors import MapError
 from amorsim.core.map import Map
 from amorsim.core.parameters import parameter
 from amorsim.core.reading import is_file, read_bytes, reason
-from amorsim.maps.pictures import OPAQUE, Colours, Picture, open_picture
+from amorsim.maps.pictures import OPAQUE, Colours, Picture, open_picture, refuse_too_many_pixels
 from amorsim.maps.ros_yaml import MapYaml, parse_map_yaml
 from amorsim.maps.unknown import OCCUPIED, UNKNOWN, map_of_classes, unknown_as
 
@@ -103,6 +103,7 @@ class Ros(MapLoader):
 
         Unknown cells are written as such. What they are to rays and bodies is an option of the loader, for all alike.
         """
+        refuse_too_many_pixels(world)
         cells, unknown = world.to_array()[::-1] != 0, world.unknown_array()[::-1] != 0
         grey = np.where(cells, np.uint8(_SAVED["occupied"]), np.uint8(_SAVED["free"]))
         grey[unknown] = _SAVED["unknown"]
