@@ -108,7 +108,7 @@ def read_map(file: MapFile) -> Map:
         raise MapError(f"{file.path}: {type(file.loader).__name__} gave {found!r}, which is no map")
     if getattr(file.loader, "resolution", 0.0) is None:  # what the loader took is what a run writes down
         file = attrs.evolve(file, loader=attrs.evolve(cast(Any, file.loader), resolution=found.resolution))
-    return attrs.evolve(found, source=file)
+    return attrs.evolve(found, source=file, name=found.name or file.path.stem)
 
 
 def companions_of(file: MapFile) -> list[Path]:
