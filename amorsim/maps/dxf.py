@@ -229,7 +229,7 @@ def _parse(path: Path) -> tuple[Any, bool]:
     is_whole = b"EOF" in data[-200:]
     try:
         if data.startswith(_BINARY):
-            return ezdxf.readfile(path), is_whole
+            return ezdxf.readfile(path), is_whole  # type: ignore[attr-defined]
         # Programs of DOS end a text with the sign 26.
         return recover.read(io.BytesIO(data.rstrip(b"\x1a")))[0], is_whole
     except DXFError as error:

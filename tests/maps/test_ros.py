@@ -193,6 +193,12 @@ def test_other_keys_are_remarked_on_once(tmp_path: Path) -> None:
         ({"mode": "trinray"}, "line 4: mode is 'trinray'.*Did you mean 'trinary'"),
         ({"negate": 2}, "line 4: negate is '2'; expected 0 or 1"),
         ({"free_thresh": 0.9}, "line 4: free_thresh 0.9 is above occupied_thresh 0.65"),
+        ({"occupied_thresh": 65}, "line 4: occupied_thresh is 65; expected 0 to 1, a probability, such as 0.65"),
+        ({"free_thresh": -0.1}, "line 4: free_thresh is -0.1; expected 0 to 1, a probability, such as 0.196"),
+        (
+            {"image": None, "Image": "lab.png"},
+            "'image' is missing; .*line 3: 'Image' is no key of a ROS map. Did you m",
+        ),
         ({"image": "none.pgm"}, r"line 1: image .*none\.pgm: cannot be read: No such file"),
         ({"image": "lab.yaml"}, r"line 1: image .*lab\.yaml: it is no BMP, PNG"),
         ({"image": "{"}, "line [0-9]+: this is no YAML"),
