@@ -31,7 +31,8 @@ class MapLoader(abc.ABC):
         """The other files that `load` reads for this one, such as the picture that it names.
 
         A run's folder gets copies of all of them, in the same places relative to each other, so a file must name its
-        companions relative to itself. Raises `MapError` if the file cannot be read.
+        companions relative to itself. If it names one by its whole path, the loader must prefer a file of that name
+        next to it: the copy is put there. Raises `MapError` if the file cannot be read.
         """
         return ()
 

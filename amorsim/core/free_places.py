@@ -12,7 +12,10 @@ from amorsim.core.errors import MapError
 from amorsim.core.map import Map
 from amorsim.core.room import inside, joined, room_about, roomiest
 
-__all__ = ["free_places", "freest_place", "roomy_places"]
+__all__ = ["LARGER", "free_places", "freest_place", "roomy_places"]
+
+LARGER = "if the map is larger in fact, say so by its resolution, size, unit or scale"
+"""What to do where a drawing or picture was read too small, for messages."""
 
 
 def freest_place(world: Map) -> tuple[float, float]:
@@ -33,7 +36,7 @@ def freest_place(world: Map) -> tuple[float, float]:
         if found is not None and (found[2] > 1 or _is_finest(world, side)):
             row, col, _ = found
             return _to_world(world, (col + 0.5) * side, (row + 0.5) * side)
-    raise MapError(f"the map has no free place of {side:.3g} m x {side:.3g} m; give the robot a pose")
+    raise MapError(f"{_nothing_free(world, side)}; give the robot a pose, or {LARGER}")
 
 
 def roomy_places(world: Map, count: int) -> list[tuple[float, float]]:
@@ -78,7 +81,12 @@ def _free_cells(
         cells = select(free)
         if cells.any() and (room_about(cells).max() > 1 or _is_finest(world, side)):
             return cells, side
-    raise MapError(f"the map has no free place of {side:.3g} m x {side:.3g} m")
+    raise MapError(f"{_nothing_free(world, side)}; {LARGER}")
+
+
+def _nothing_free(world: Map, side: float) -> str:
+    width, height = world.size
+    return f"the map, {width:.4g} m x {height:.4g} m, has no free place of {side:.3g} m x {side:.3g} m"
 
 
 def _looks(world: Map) -> Iterator[tuple[NDArray[np.bool_], float]]:

@@ -14,7 +14,7 @@ from amorsim.core.errors import MapError
 from amorsim.core.map_limits import refuse_not_finite, refuse_too_far, refuse_too_large, refuse_too_much_memory
 from amorsim.kernels.grid.draft import grid_from_array
 from amorsim.kernels.grid.grid import Grid, occupied_boxes
-from amorsim.kernels.grid.outlines import outline_lines
+from amorsim.kernels.grid.outlines import MOST_STRIPS, outline_lines
 from amorsim.kernels.grid.rasterise import grid_from_segments, snapped
 from amorsim.kernels.grid.segment_boxes import index_segments, no_segments
 from amorsim.kernels.grid.segments import SegmentIndex
@@ -160,7 +160,8 @@ class Map:
         ------
         MapError
             If a number is not finite, the resolution is not positive, or an array is not of two dimensions, is
-            empty or of another shape than the other.
+            empty or of another shape than the other, the map lies too far from the world's origin, or its cells are
+            noise, which takes more memory than any plan.
         """
         side = _resolution(resolution)
         place = _finite(origin, 3, "origin", "x, y in metres and yaw in radians")
@@ -172,10 +173,13 @@ class Map:
             raise MapError(
                 f"the array of unknown cells has shape {mask.shape}; expected that of the cells, {taken.shape}"
             )
+        with np.errstate(over="ignore"):  # refused below
+            low = np.array(place[:2]) / side
+        refuse_too_far(low, low + np.array([cols, rows]), side)
         grid = grid_from_array(taken, side)
         return cls(
             grid=grid,
-            segment_index=outline_lines(grid, taken),
+            segment_index=_outlines(grid, taken),
             origin=(place[0], place[1], place[2]),
             unknown=None if mask is None or not mask.any() else grid_from_array(mask, side),
             start=_start(start),
@@ -349,6 +353,16 @@ def _cells(given: ArrayLike, what: str) -> NDArray[np.uint8]:
         cells = cells != 0
     # Kernels are compiled for arrays that may be written to, and none of them writes to this one.
     return np.require(cells, requirements=["C", "W"]).view(np.uint8)
+
+
+def _outlines(grid: Grid, cells: NDArray[np.uint8]) -> SegmentIndex:
+    try:
+        return outline_lines(grid, cells)
+    except OverflowError as error:
+        raise MapError(
+            f"free and occupied cells alternate as in noise: their outlines are more than {MOST_STRIPS} lines; smooth "
+            "or shrink the picture, or choose another threshold"
+        ) from error
 
 
 def _resolution(given: float) -> float:

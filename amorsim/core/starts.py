@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.errors import MapError
-from amorsim.core.free_places import freest_place, roomy_places
+from amorsim.core.free_places import LARGER, freest_place, roomy_places
 from amorsim.core.map import Map
 from amorsim.core.poses import compose
-from amorsim.core.shapes import Shape, pack
+from amorsim.core.shapes import SMALLEST, Shape, pack
 from amorsim.kernels.collision.clearance import map_gaps
 
 __all__ = ["freest_start", "least_gaps", "out_of_reach", "outside", "overlap_with_walls", "wall_gaps"]
@@ -95,10 +95,14 @@ def freest_start(
     gaps = least_gaps(world, together, poses, max(world.size))
     best = int(np.argmax(gaps))
     if gaps[best] < 0.0:
+        # Of an overlap, how deep it is says little: it is that in a single cell.
+        dot = Shape.circle(SMALLEST)
+        room = wall_gaps(world, [dot], np.array([[x, y, 0.0]]), max(world.size))[0][0] + SMALLEST
+        width, height = world.size
         raise MapError(
-            f"the map has no place where a footprint that reaches {_reach(together):.3g} m from its base point fits "
-            f"in; at the best of those looked at, ({poses[best, 0]:.3f}, {poses[best, 1]:.3f}) m, it lacks "
-            f"{-gaps[best]:.3g} m; take a smaller robot or a larger map"
+            f"the map has no place where a footprint that reaches {_reach(together):.3g} m from its base point fits: "
+            f"the one with most room, ({x:.3f}, {y:.3f}) m, is {room:.3g} m from the nearest wall, and the map is "
+            f"{width:.4g} m x {height:.4g} m. Take a smaller robot, or {LARGER}"
         )
     return float(poses[best, 0]), float(poses[best, 1]), float(poses[best, 2])
 

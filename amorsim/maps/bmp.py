@@ -16,7 +16,8 @@ from amorsim.contracts import MapLoader
 from amorsim.core.errors import MapError
 from amorsim.core.map import Map
 from amorsim.core.parameters import parameter
-from amorsim.maps.pictures import OPAQUE, SIGNATURES, Colours, Rule, open_picture
+from amorsim.core.reading import is_file
+from amorsim.maps.pictures import OPAQUE, SIGNATURES, Colours, Rule, open_picture, refuse_too_many_pixels
 from amorsim.maps.unknown import OCCUPIED, UNKNOWN, map_of_classes, unknown_as
 
 __all__ = ["Bitmap"]
@@ -87,7 +88,7 @@ class Bitmap(MapLoader):
         try:
             classes, remarks = self._classes(path)
             side = self._side(classes.shape[1])
-            classes, stretched = self._stretched(classes, side)
+            classes, stretched = self._stretched(classes, side, _ros_map_of(path))
             return map_of_classes(
                 classes,
                 resolution=side,
@@ -107,6 +108,7 @@ class Bitmap(MapLoader):
         kind = _SAVED_AS.get(path.suffix.lower())
         if kind == "JPEG":
             raise MapError("a JPEG blurs the cells of a map; save it as .png")
+        refuse_too_many_pixels(world)
         x, y, yaw = world.origin
         loader = cls(resolution=world.resolution, origin_x=x, origin_y=y, origin_yaw=yaw)
         cells = np.where(world.to_array()[::-1], 0, 255).astype(np.uint8)
@@ -126,10 +128,12 @@ class Bitmap(MapLoader):
             return self.resolution
         return _RESOLUTION if self.size is None else self.size[0] / columns
 
-    def _stretched(self, classes: NDArray[np.uint8], side: float) -> tuple[NDArray[np.uint8], tuple[str, ...]]:
+    def _stretched(
+        self, classes: NDArray[np.uint8], side: float, other: str
+    ) -> tuple[NDArray[np.uint8], tuple[str, ...]]:
         """The classes of the cells that `size` asks for, each that of the pixel at its middle."""
         if self.size is None:
-            return classes, () if self.resolution is not None else (_NO_RESOLUTION,)
+            return classes, () if self.resolution is not None else (_NO_RESOLUTION + other,)
         rows, columns = classes.shape
         wide, high = (max(1, round(length / side)) for length in self.size)
         if (high, wide) == (rows, columns):
@@ -155,7 +159,7 @@ class Bitmap(MapLoader):
         if threshold is None and picture.format == "JPEG":
             threshold, remarks = _MID_GREY, (*remarks, _LOSSY)
         white = picture.white
-        choose = functools.partial(_two_colours, white)
+        choose = functools.partial(_two_colours, white, _ros_map_of(path))
         if self.transparent != "unknown":
             if threshold is None:
                 return picture.classes_by(choose, paper), remarks
@@ -176,15 +180,24 @@ def _darker(threshold: float, white: int) -> Rule:
     return rule
 
 
-def _two_colours(white: int, colours: Colours) -> Rule:
+def _ros_map_of(path: Path) -> str:
+    """Words on a map of ROS that may be meant in place of its picture; empty if none lies next to it."""
+    near = [path.with_suffix(suffix) for suffix in (".yaml", ".yml")]
+    return next(
+        (f"; or read {each.name}, which lies next to it, as a map of ROS" for each in near if is_file(each)), ""
+    )
+
+
+def _two_colours(white: int, other: str, colours: Colours) -> Rule:
     """The rule that the darker of a picture's two colours is occupied."""
     luma = _luma(colours)
     if len(colours) == 1:
         return _darker(_MID_GREY, white)
     if len(colours) > 2:
         raise MapError(
-            f"it has {len(colours)} colours, and a bitmap map has two, the darker one occupied; pass "
-            "threshold= (0 to 1, 0.5 for mid grey) to take every pixel darker than that for occupied"
+            f"it has {len(colours)} colours, and a bitmap map has two, the darker one occupied; give a threshold (0 to "
+            "1, 0.5 for mid grey, as in --set world.threshold=0.5) to take every pixel darker than that for occupied"
+            f"{other}"
         )
     if luma[0] == luma[1]:
         raise MapError("its two colours are equally bright, so neither is the darker, occupied one; make one black")

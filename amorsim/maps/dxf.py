@@ -26,6 +26,8 @@ _MOST_ENTITIES = 500_000
 _MOST_INSERTED = 200_000  # by one insert: ezdxf takes some 40 us for each
 _DEEPEST = 20
 _UNIT = 0.001  # [m]
+_BINARY = b"AutoCAD Binary DXF"
+_CUT_OFF = "the file does not end with EOF: was it cut off?"  # of what is cut off, ezdxf reads whole sections alone
 _NO_UNIT = (
     f"the drawing says no unit ($INSUNITS), so one of its is taken for {_UNIT:g} m; say how long one is, as in "
     "unit = 0.0254"
@@ -55,7 +57,7 @@ class Dxf(MapLoader):
     def sniff(cls, head: bytes) -> bool:
         """Whether a file begins with a section, as a text or in binary."""
         words = head[:400].split()
-        return head.startswith(b"AutoCAD Binary DXF") or words[:2] == [b"0", b"SECTION"]
+        return head.startswith(_BINARY) or words[:2] == [b"0", b"SECTION"]
 
     def load(self, path: Path) -> Map:
         """The map of a drawing.
@@ -72,7 +74,7 @@ class Dxf(MapLoader):
             raise MapError(f"{path}: {error}") from error
 
     def _load(self, path: Path) -> Map:
-        document = _parse(path)
+        document, is_whole = _parse(path)
         drawing = Drawing(self.chord_error)
         remarks: list[str] = []
         unit = self.unit
@@ -99,7 +101,8 @@ class Dxf(MapLoader):
                 raise MapError(f"nothing is drawn on a layer {name!r}.{did_you_mean(name, sorted(drawn.seen))}")
         segments = drawn.lines.segments
         if len(segments) == 0:
-            raise MapError("it has no line" + "".join(f" ({each})" for each in drawing.remarks))
+            said = drawing.remarks if is_whole else (*drawing.remarks, _CUT_OFF)
+            raise MapError("it has no line" + "".join(f" ({each})" for each in said))
         with np.errstate(over="ignore", invalid="ignore"):  # refused by the map
             walls = segments * unit
         return Map.from_segments(
@@ -206,8 +209,10 @@ class _Walls:
             self.lines.add_lines(places)
 
 
-def _parse(path: Path) -> Any:
+def _parse(path: Path) -> tuple[Any, bool]:
+    """The drawing in a file, as a text or in binary, and whether the file has its end."""
     try:
+        import ezdxf
         from ezdxf import recover
         from ezdxf.lldxf.const import DXFError
     except ImportError as error:
@@ -216,11 +221,17 @@ def _parse(path: Path) -> Any:
         data = read_bytes(path, _MOST_BYTES)
     except (OSError, ValueError) as error:
         raise MapError(f"cannot be read: {reason(error)}") from error
+    if data.startswith(b"AC10"):
+        raise MapError("it is a DWG drawing; save it as DXF")
     if b"SECTION" not in data:
         raise MapError("this is no DXF drawing: it has no section")
     logging.getLogger("ezdxf").setLevel(logging.CRITICAL)  # what it mends is nothing for a user
+    is_whole = b"EOF" in data[-200:]
     try:
-        return recover.read(io.BytesIO(data))[0]
+        if data.startswith(_BINARY):
+            return ezdxf.readfile(path), is_whole  # type: ignore[attr-defined]
+        # Programs of DOS end a text with the sign 26.
+        return recover.read(io.BytesIO(data.rstrip(b"\x1a")))[0], is_whole
     except DXFError as error:
         raise MapError(f"this is no whole DXF drawing: {str(error)[:200]}") from error
     except Exception as error:  # a damaged file makes it raise nearly anything

@@ -265,7 +265,7 @@ def _places(where: str, given: Any) -> Points:
     places = []
     for number, place in enumerate(_list(where, given)):
         if not (isinstance(place, list) and len(place) >= 2 and all(is_number(each, below=1e12) for each in place[:2])):
-            raise MapError(f"{where}[{number}]: expected [x, y], two finite numbers, got {_shown(place)}")
+            raise MapError(f"{where}[{number}]: expected [x, y], two numbers below 1e12, got {_shown(place)}")
         places.append((float(place[0]), float(place[1])))
     if not places:
         raise MapError(f"{where}: expected positions, got none")
@@ -273,6 +273,8 @@ def _places(where: str, given: Any) -> Points:
 
 
 def _shown(value: Any) -> str:
+    if isinstance(value, list) and 2 <= len(value) <= 3 and not any(isinstance(each, (list, dict)) for each in value):
+        return f"[{', '.join(repr(each)[:20] for each in value)}]"
     if isinstance(value, (list, dict)):
         return f"a {'list' if isinstance(value, list) else 'object'} of {len(value)}"
     return repr(value)[:60]

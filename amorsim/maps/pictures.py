@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import re
 import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -15,10 +16,11 @@ from numpy.typing import NDArray
 from PIL import ExifTags, Image, UnidentifiedImageError
 
 from amorsim.core.errors import MapError
+from amorsim.core.map import Map
 from amorsim.core.reading import check_readable, reason
 from amorsim.maps.png_strips import PngFile, png_file
 
-__all__ = ["OPAQUE", "SIGNATURES", "Picture", "open_picture"]
+__all__ = ["OPAQUE", "SIGNATURES", "Picture", "open_picture", "refuse_too_many_pixels"]
 
 FORMATS = ("BMP", "PNG", "PPM", "JPEG", "GIF", "TIFF")
 SIGNATURES = (
@@ -238,6 +240,20 @@ def open_picture(path: Path) -> Picture:
     return Picture(image=image, remarks=remarks, strips=strips)
 
 
+def refuse_too_many_pixels(world: Map) -> None:
+    """Raise `MapError` if a map has more cells than a picture may have pixels that `open_picture` reads."""
+    rows, columns = world.shape
+    if rows * columns > _most_pixels():
+        raise MapError(
+            f"its cells of {world.resolution:g} m would be a picture of {columns} x {rows} pixels; expected "
+            f"{_most_pixels()} pixels at most, so take larger cells (resolution)"
+        )
+
+
+def _most_pixels() -> int:
+    return 2 * (Image.MAX_IMAGE_PIXELS or 0)
+
+
 def _ignored(image: Image.Image, frames: int) -> Iterator[str]:
     """What of an opened file is not looked at."""
     if frames > 1:
@@ -262,9 +278,12 @@ def _complaints() -> Iterator[None]:
     try:
         yield
     except Image.DecompressionBombError as error:
-        most = 2 * (Image.MAX_IMAGE_PIXELS or 0)
-        problem = f"expected {most} pixels at most; make it smaller, or the map of larger cells (resolution)"
-        raise MapError(f"it is too large to unpack: {problem}") from error
+        # Its text says the number, which is known only there.
+        found = re.search(r"\d+", str(error))
+        raise MapError(
+            f"it is too large to unpack, with {found[0] if found else 'too many'} pixels: expected {_most_pixels()} at "
+            "most; make the picture smaller"
+        ) from error
     except UnidentifiedImageError as error:  # its text names the file object, which does not help a user
         raise MapError(f"it is no {_formats()} image, or its header is damaged") from error
     except Exception as error:  # a damaged file makes pillow raise nearly anything

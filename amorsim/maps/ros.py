@@ -2,7 +2,7 @@
 
 Keys (http://wiki.ros.org/map_server, nav2_map_server)::
 
-    image: lab.pgm                   relative to the file
+    image: lab.pgm                   relative to the file, or next to it
     resolution: 0.05                 m a pixel
     origin: [-10.0, -10.0, 0.0]      x, y, yaw of the lower left corner of the lower left pixel
     negate: 0                        1: white is occupied
@@ -32,7 +32,7 @@ from amorsim.core.errors import MapError
 from amorsim.core.map import Map
 from amorsim.core.parameters import parameter
 from amorsim.core.reading import is_file, read_bytes, reason
-from amorsim.maps.pictures import OPAQUE, Colours, Picture, open_picture
+from amorsim.maps.pictures import OPAQUE, Colours, Picture, open_picture, refuse_too_many_pixels
 from amorsim.maps.ros_yaml import MapYaml, parse_map_yaml
 from amorsim.maps.unknown import OCCUPIED, UNKNOWN, map_of_classes, unknown_as
 
@@ -103,6 +103,7 @@ class Ros(MapLoader):
 
         Unknown cells are written as such. What they are to rays and bodies is an option of the loader, for all alike.
         """
+        refuse_too_many_pixels(world)
         cells, unknown = world.to_array()[::-1] != 0, world.unknown_array()[::-1] != 0
         grey = np.where(cells, np.uint8(_SAVED["occupied"]), np.uint8(_SAVED["free"]))
         grey[unknown] = _SAVED["unknown"]
@@ -149,12 +150,21 @@ def _decoded(data: bytes) -> str:
 
 
 def _image_of(about: MapYaml, path: Path) -> tuple[Path, tuple[str, ...]]:
-    """The picture, relative to the file's folder, and a remark if it is only found next to the file."""
+    """The picture, relative to the file's folder, and a remark if another one than the named one is taken.
+
+    A picture next to the file goes before one that is named by its whole path, as ``map_saver`` does: the files may
+    have been copied together.
+    """
     image = Path(about.image)
     beside = Path(image.name if "\\" not in about.image else about.image.rpartition("\\")[2])
-    if not is_file(path.parent / image) and image != beside and is_file(path.parent / beside):
+    named, near = path.parent / image, path.parent / beside
+    if image == beside or not is_file(near):
+        return image, ()
+    if not is_file(named):
         return beside, (f"there is no {about.image}; {beside}, next to the file, is taken for it",)
-    return image, ()
+    if not image.is_absolute():
+        return image, ()
+    return beside, () if named.samefile(near) else (f"{beside}, next to the file, is taken for {about.image}",)
 
 
 def _classes(picture: Picture, about: MapYaml, unknown_is_occupied: bool) -> NDArray[np.uint8]:

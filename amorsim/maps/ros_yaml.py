@@ -48,14 +48,14 @@ def parse_map_yaml(text: str) -> MapYaml:
         if key not in nodes:
             raise MapError(
                 f"{key!r} is missing; the YAML file of a ROS map has {', '.join(_REQUIRED)} at least, and a scenario "
-                "is a .toml file"
+                f"is a .toml file{''.join(f'; {each}' for each in remarks)}"
             )
     image = _text(nodes["image"], "image", "the path of a picture")
     resolution = _number(nodes["resolution"], "resolution")
     if resolution <= 0.0:
         raise MapError(f"{_at(nodes['resolution'])}: resolution is {resolution:g}; expected more than 0 m")
     low, high = (
-        _number(nodes[key], key) if key in nodes else default
+        _probability(nodes[key], key, default) if key in nodes else default
         for key, default in (("free_thresh", 0.196), ("occupied_thresh", 0.65))
     )
     if low > high:
@@ -128,6 +128,13 @@ def _number(node: yaml.Node, key: str) -> float:
     if not math.isfinite(value):
         shown = repr(text[:40]) if text else "no number"
         raise MapError(f"{_at(node)}: {key} is {shown}; expected a finite number")
+    return value
+
+
+def _probability(node: yaml.Node, key: str, usual: float) -> float:
+    value = _number(node, key)
+    if not 0.0 <= value <= 1.0:
+        raise MapError(f"{_at(node)}: {key} is {value:g}; expected 0 to 1, a probability, such as {usual:g}")
     return value
 
 

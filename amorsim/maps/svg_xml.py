@@ -27,8 +27,12 @@ _ROWS = {
     "d": re.compile(rf"(?:[\s,MmZzLlHhVvCcSsQqTtAa]|{_NUMBER})*"),
     "points": re.compile(rf"(?:[\s,]|{_NUMBER})*"),
 }
+_TRANSFORM = re.compile(
+    rf"(?:[\s,]*(?:matrix|translate|scale|rotate|skewX|skewY)\s*\(\s*{_NUMBER}(?:(?:[\s,]+|(?=[+-])){_NUMBER})*[\s,]*\))*[\s,]*"
+)
 _ACROSS = ("x", "width", "cx", "rx", "x1", "x2")
 _UP = ("y", "height", "cy", "ry", "y1", "y2")
+_MEASURED = ("rect", "circle", "ellipse", "line", "use")
 _SHAPES = ("rect", "circle", "ellipse", "line", "use", "svg")
 # Drawn only where something uses them, or not at all.
 _NO_WALLS = ("metadata", "title", "desc", "style", "script", "namedview", "mask", "marker", "pattern", "clipPath")
@@ -59,6 +63,8 @@ def parse_svg(path: Path) -> tuple[ET.Element, Lines]:
         data = read_bytes(path, _MOST_BYTES)
     except (OSError, ValueError) as error:
         raise MapError(f"cannot be read: {reason(error)}") from error
+    if data.startswith(b"\x1f\x8b"):
+        raise MapError("it is compressed; save it as plain SVG, or unpack it with gunzip")
     builder, lines, depth = ET.TreeBuilder(), dict[ET.Element, int](), 0
     parser = expat.ParserCreate(namespace_separator="}")
     parser.buffer_text = True
@@ -117,12 +123,13 @@ def prepare(root: ET.Element, lines: Lines, viewport: Viewport | None, drawing: 
     Raises
     ------
     MapError
-        If a path or a row of points holds what is no number, a length is a share of nothing, or uses unpack to too
-        much.
+        If a path or a row of points holds what is no number, a length or transform is none, a length is a share of
+        nothing, or uses unpack to too much.
     """
     _prune(root, drawing)
     _refuse_too_many_uses(root)
     for element in root.iter():
+        _check_numbers(element, lines)
         for key, allowed in _ROWS.items():
             text = element.get(key) or ""
             found = allowed.match(text)
@@ -130,6 +137,22 @@ def prepare(root: ET.Element, lines: Lines, viewport: Viewport | None, drawing: 
                 begin = text[found.end() :][:20]
                 raise MapError(f"{_where(element, lines)}: {key} has {begin!r}, where a number was expected")
     _place(root, lines, viewport)
+
+
+def _check_numbers(element: ET.Element, lines: Lines) -> None:
+    """Raise `MapError` if a shape's length or a transform is none: without it svgelements leaves the shape out."""
+    if local(element) in _MEASURED:
+        for key in (*_ACROSS, *_UP, "r"):
+            text = (element.get(key) or "").strip()
+            if text not in ("", "auto") and length(text) is None:
+                raise MapError(
+                    f"{_where(element, lines)}: {key} is {text[:20]!r}; expected a length, such as 20 or 2e1"
+                )
+    text = element.get("transform") or ""
+    if text.strip() not in ("", "none") and not _TRANSFORM.fullmatch(text):
+        raise MapError(
+            f"{_where(element, lines)}: transform is {text[:40]!r}; expected such as translate(1,2) rotate(30)"
+        )
 
 
 def _where(element: ET.Element, lines: Lines) -> str:

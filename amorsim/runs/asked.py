@@ -93,12 +93,18 @@ def _options(name: str, resolution: float | None) -> dict[str, Any] | None:
 def _check_map(path: Path) -> None:
     """Raise an error for a file that no map loader knows, worded for users who may have meant a scenario."""
     from amorsim.plugins.manager import default_registry
+    from amorsim.scenario.foreign import loaders_of_extension
     from amorsim.scenario.maps import find_loader
 
     try:
         find_loader(path, None, default_registry())
     except MapError as error:
         if is_file(path):
+            if names := loaders_of_extension(path, default_registry()):
+                raise AmorsimError(
+                    f"{path}: its first bytes are not those of a file that the scenario loader {names[0]!r} reads, "
+                    "though its extension is"
+                ) from None
             raise AmorsimError(f"{error}; a scenario is a .toml file") from None
         raise
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from pathlib import Path
 from typing import Any
@@ -118,8 +119,12 @@ class Copies:
         copies = [folder / each.relative_to(root) for each in (path, *beside)]
         for each, copy in zip((path, *beside), copies, strict=True):
             self._copy(each, copy)
+        named = _companions_of_copy(file, copies[0])
+        for number, each in enumerate(beside, 1):
+            if each in named:  # by its whole path; loaders look for it next to the map first
+                copies[number] = self._moved(each, copies[number], copies[0].with_name(each.name))
         made = [Path(os.path.abspath(copy)) for copy in copies]  # noqa: PTH100 - as companions are named
-        for each in companions_of(attrs.evolve(file, path=made[0])):
+        for each in _companions_of_copy(file, copies[0]):
             if each not in made:
                 raise RunError(f"{path}: its copy would still read {each}; name that file relative to {path.name}")
         self._names[str(path)] = copies[0].relative_to(self._folder).as_posix()
@@ -134,6 +139,17 @@ class Copies:
             raise RunError(f"{copy.parent}: cannot make this folder ({error.strerror or error})") from None
         if path.resolve() != copy.resolve():
             copy_file(path, copy)
+
+    def _moved(self, path: Path, copy: Path, place: Path) -> Path:
+        """Where the copy of a file is after moving it to a place where no file is yet."""
+        if place.exists():
+            return copy
+        self._copy(path, place)
+        if not copy.samefile(path):
+            copy.unlink()
+            with contextlib.suppress(OSError):  # other files are in there too
+                os.removedirs(copy.parent)
+        return place
 
     def of(self, file: str) -> str:
         """The name of a file's copy."""
@@ -160,3 +176,7 @@ class Copies:
     def _says_else(self, name: str, text: str) -> bool:
         there = self._folder / name
         return there.exists() and not (there.is_file() and there.read_bytes() == text.encode())
+
+
+def _companions_of_copy(file: MapFile, copy: Path) -> list[Path]:
+    return companions_of(attrs.evolve(file, path=Path(os.path.abspath(copy))))  # noqa: PTH100 - as companions are named

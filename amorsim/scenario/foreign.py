@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from amorsim.contracts import ScenarioDocument, ScenarioLoader
 from amorsim.core.errors import Fault, PluginError, ScenarioError
@@ -14,7 +15,7 @@ from amorsim.scenario.faults import Book, Node, Source
 from amorsim.scenario.fields import read_component
 from amorsim.scenario.settings import Setting, parse_settings
 
-__all__ = ["find_scenario_loader", "read_foreign", "split_options"]
+__all__ = ["find_scenario_loader", "loaders_of_extension", "read_foreign", "split_options"]
 
 _HEAD = 4096
 _MOST_BYTES = 10**9
@@ -52,6 +53,19 @@ def find_scenario_loader(path: Path, registry: Registry) -> tuple[str, type[Scen
     return None
 
 
+def loaders_of_extension(path: Path, registry: Registry) -> list[str]:
+    """The names of the loaders that read files of a file's extension, if they know their first bytes."""
+    found = []
+    for entry in registry.entries("scenario_loader"):
+        try:
+            cls: type[ScenarioLoader] = registry.get("scenario_loader", entry.name)
+        except PluginError:  # reported by `find_scenario_loader`
+            continue
+        if path.suffix.lower() in cls.extensions:
+            found.append(entry.name)
+    return found
+
+
 def split_options(overrides: Iterable[str]) -> tuple[list[str], list[str]]:
     """Settings for a scenario loader, ``loader.KEY=VALUE``, and those for the scenario."""
     texts = [overrides] if isinstance(overrides, str) else list(overrides)
@@ -81,7 +95,30 @@ def read_foreign(path: Path, name: str, cls: type[ScenarioLoader], options: Sequ
     if not isinstance(document, ScenarioDocument):
         problem = f"the scenario loader {name!r} gave {document!r}; expected a ScenarioDocument"
         raise ScenarioError([Fault(file=str(path), path="", message=problem)])
+    for field, is_right, expected in _FIELDS:
+        if not is_right(value := getattr(document, field)):
+            problem = f"the scenario loader {name!r} gave {field} = {repr(value)[:200]}; expected {expected}"
+            raise ScenarioError([Fault(file=str(path), path="", message=problem)])
     return document
+
+
+def _is_table(value: Any) -> bool:
+    return isinstance(value, dict) and all(isinstance(key, str) for key in value)
+
+
+def _are_remarks(value: Any) -> bool:
+    return isinstance(value, (tuple, list)) and all(isinstance(each, str) for each in value)
+
+
+def _are_lines(value: Any) -> bool:
+    return isinstance(value, Mapping) and all(isinstance(each, int) for each in value.values())
+
+
+_FIELDS: tuple[tuple[str, Callable[[Any], bool], str], ...] = (
+    ("tables", _is_table, 'a table, {"format": 1, "world": ..., "robots": ...}'),
+    ("remarks", _are_remarks, "a tuple of texts"),
+    ("lines", _are_lines, "whole numbers by paths such as robots.0"),
+)
 
 
 def _options(settings: Sequence[Setting], book: Book) -> Node:

@@ -28,6 +28,17 @@ __all__ = ["MapFile", "companions_of", "find_loader", "load_map", "read_map", "s
 _HEAD = 4096
 _MOST_BYTES = 10**9  # of any map; loaders that hold it in memory as it is written ask for less
 
+# What is often taken for a map, and what to do, by its extension.
+_NO_MAPS = {
+    ".dwg": ("a DWG drawing is", "save it as .dxf"),
+    ".inc": ("a file that worlds of Stage include is", "give the .world"),
+    ".pdf": ("a PDF is", "save it as .svg or .png"),
+    ".scen": ("problems on a map of MovingAI are", "give the .map"),
+    ".sdf": ("a world of Gazebo is", "save a map of it as .yaml, as map_saver of ROS does"),
+    ".svgz": ("a compressed drawing is", "unpack it to a plain .svg"),
+    ".webp": ("a WebP picture is", "save it as .png"),
+}
+
 
 @attrs.frozen(kw_only=True)
 class MapFile:
@@ -97,7 +108,7 @@ def read_map(file: MapFile) -> Map:
         raise MapError(f"{file.path}: {type(file.loader).__name__} gave {found!r}, which is no map")
     if getattr(file.loader, "resolution", 0.0) is None:  # what the loader took is what a run writes down
         file = attrs.evolve(file, loader=attrs.evolve(cast(Any, file.loader), resolution=found.resolution))
-    return attrs.evolve(found, source=file)
+    return attrs.evolve(found, source=file, name=found.name or file.path.stem)
 
 
 def companions_of(file: MapFile) -> list[Path]:
@@ -264,6 +275,9 @@ def find_loader(path: Path, use: str | None, registry: Registry) -> tuple[str, t
             return name, cls
     if by_extension:
         return by_extension[0]
+    if extension in _NO_MAPS:
+        what, advice = _NO_MAPS[extension]
+        raise MapError(f"{path}: {what} no map that amorsim reads; {advice}")
     known = ", ".join(sorted({suffix for _, cls in loaders for suffix in cls.extensions}))
     raise MapError(f"{path}: no map of a known format; known extensions: {known}")
 

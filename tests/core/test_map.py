@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import functools
 import math
 import pickle
 from typing import Any
@@ -10,9 +11,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+import amorsim.core.map as map_module
 from amorsim.core.errors import MapError
 from amorsim.core.free_places import freest_place
 from amorsim.core.map import Map
+from amorsim.kernels.grid.outlines import outline_lines
 
 ROOM = np.array([[0, 0, 4, 0], [4, 0, 4, 3], [4, 3, 0, 3], [0, 3, 0, 0]], dtype=float)
 
@@ -172,6 +175,8 @@ def test_nonsense_in_segments_is_refused(given: dict[str, Any], message: str) ->
     [
         ({"array": np.zeros((0, 5))}, r"shape \(0, 5\); expected \(rows, cols\), at least one"),
         ({"array": np.zeros(5)}, r"shape \(5,\)"),
+        ({"array": [[0, 1]], "origin": (1e300, 0, 0)}, r"reaches to 1e\+300 m from the world's origin"),
+        ({"array": [[0, 1]], "origin": (0, -1e14, 0)}, r"reaches to 1e\+14 m from the world's origin"),
         ({"array": [[0.0, math.nan]]}, "the array has nan in it"),
         ({"array": [["wall"]]}, "expected numbers, 0 where a cell is free"),
         ({"array": [[0]], "resolution": -1.0}, "resolution is -1.0"),
@@ -181,6 +186,13 @@ def test_nonsense_in_segments_is_refused(given: dict[str, Any], message: str) ->
 def test_nonsense_in_arrays_is_refused(given: dict[str, Any], message: str) -> None:
     with pytest.raises(MapError, match=message):
         Map.from_array(**{"resolution": 1.0, **given})
+
+
+def test_noise_that_takes_more_memory_than_a_plan_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(map_module, "outline_lines", functools.partial(outline_lines, most=100))
+    noise = np.random.default_rng(1).random((60, 60)) < 0.5
+    with pytest.raises(MapError, match=r"alternate as in noise: .* smooth or shrink the picture, or choose another th"):
+        Map.from_array(noise, resolution=1.0)
 
 
 def test_pickles_copies_and_compares() -> None:

@@ -181,3 +181,12 @@ def test_a_bitmap_has_walls_that_scans_look_up() -> None:
     world = Map.from_array(cells, resolution=0.1)
     assert world.segment_index.walls.shape[1] == 1 + 4  # and the border
     assert world.cast_rays([[1.0, 5.0, 0.0]], np.zeros(20), 8.0) == pytest.approx(np.full((1, 20), 5.0))
+
+
+def test_noise_is_given_up_early() -> None:
+    cells = (np.random.default_rng(1).random((60, 60)) < 0.5).astype(np.uint8)
+    grid = grid_from_array(cells, 1.0)
+    count = len(strips_of(grid, cells))
+    assert len(strips_of(grid, cells, count)) == count
+    with pytest.raises(OverflowError, match=f"more than {count - 1} strips"):
+        strips_of(grid, cells, count - 1)

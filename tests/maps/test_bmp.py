@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from PIL import Image
 
+import amorsim as am
 from amorsim.core.errors import MapError
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
@@ -358,7 +359,9 @@ _BMP = struct.pack("<IHHI", 62, 0, 0, 62) + struct.pack("<IiiHHIIiiII", 40, 4000
 def test_a_header_of_a_billion_pixels_is_refused(tmp_path: Path, name: str, header: bytes) -> None:
     path = tmp_path / name
     path.write_bytes(header + bytes(100))
-    with pytest.raises(MapError, match=f"{name}: it is too large to unpack: .* larger cells"):
+    with pytest.raises(
+        MapError, match=f"{name}: it is too large to unpack, with \\d{{10,}} pixels: expected 178956970 at"
+    ):
         Bitmap().load(path)
 
 
@@ -424,3 +427,27 @@ def test_damaged_exif_data_do_not_matter(tmp_path: Path) -> None:
     path = tmp_path / "a.jpg"
     Image.new("L", (4, 3), 255).save(path, exif=b"Exif\0\0MM\0*\xff\xff\xff\xff junk")
     assert not any("EXIF" in warning for warning in Bitmap(resolution=0.1, threshold=0.5).load(path).warnings)
+
+
+@pytest.mark.parametrize("name", ["hall.png", "hall.yaml"])
+def test_more_cells_than_a_picture_may_have_pixels_are_refused_before_they_are_unpacked(
+    tmp_path: Path, name: str
+) -> None:
+    hall = Map.from_segments([], extent=(0, 0, 20, 20), resolution=0.001)
+    with pytest.raises(MapError, match=r"cells of 0.001 m would be a picture of 20000 x 20000 pixels; expected 178956"):
+        am.save_map(hall, tmp_path / name)
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_map_of_ros_next_to_a_picture_is_named(tmp_path: Path) -> None:
+    path = saved(tmp_path, grey([0, 205, 254]), "lab.pgm")
+    with pytest.raises(
+        MapError, match=r"it has 3 colours, .*=0\.5\) to take every pixel darker than that for occupied$"
+    ):
+        Bitmap().load(path)
+    (tmp_path / "lab.yaml").write_text("image: lab.pgm\nresolution: 0.5\norigin: [0, 0, 0]\n")
+    with pytest.raises(MapError, match=r"or read lab\.yaml, which lies next to it, as a map of ROS$"):
+        Bitmap().load(path)
+    (warning,) = Bitmap(threshold=0.5).load(path).warnings
+    assert "no resolution is given" in warning
+    assert "lab.yaml" in warning

@@ -194,6 +194,7 @@ def test_blocks_that_multiply_are_refused(tmp_path: Path) -> None:
     ("text", "words"),
     [
         ("nothing", "no DXF drawing: it has no section"),
+        ("AC1027" + "\0" * 50, "it is a DWG drawing; save it as DXF"),
         (R12.split("LINE", maxsplit=1)[0] + "ENDSEC\n0\nEOF\n", "it has no line"),
         (R12.replace("40\n2.0", "40\n1e18"), "more than 2000000 lines"),
     ],
@@ -246,3 +247,38 @@ def test_blocks_of_other_files_are_remarked_on(tmp_path: Path) -> None:
     assert Dxf(unit=1.0).load(tmp_path / "a.dxf").warnings == (
         "left out: 1 inserts of blocks that are not in the file",
     )
+
+
+@pytest.mark.parametrize("version", ["R12", "R2000", "R2018"])
+def test_binary_drawings_are_read_like_texts(tmp_path: Path, version: str) -> None:
+    document = ezdxf.new(version)
+    document.modelspace().add_line((0, 0), (3, 2))
+    document.modelspace().add_circle((1, 1), 0.5, dxfattribs={"layer": "DOORS"})
+    worlds = []
+    for name, fmt in (("text.dxf", "asc"), ("binary.dxf", "bin")):
+        document.saveas(tmp_path / name, fmt=fmt)
+        worlds.append(Dxf(unit=1.0).load(tmp_path / name))
+    assert worlds[0].segments is not None
+    assert worlds[1].segments is not None
+    assert worlds[0].segments.tolist() == worlds[1].segments.tolist()
+    assert worlds[1].warnings == ()
+    whole = (tmp_path / "binary.dxf").read_bytes()
+    (tmp_path / "binary.dxf").write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(MapError, match=r"ezdxf cannot read it|no whole DXF drawing|it has no line"):
+        Dxf(unit=1.0).load(tmp_path / "binary.dxf")
+
+
+def test_a_drawing_that_was_cut_off_is_said_to_be(tmp_path: Path) -> None:
+    path = tmp_path / "a.dxf"
+    path.write_text(R12[: R12.index("0\nPOLYLINE")])
+    with pytest.raises(MapError, match=r"it has no line \(the file does not end with EOF: was it cut off\?\)$"):
+        Dxf(unit=1.0).load(path)
+
+
+@pytest.mark.parametrize("end", ["", "\n", "\r\n\x1a", "\n999\nmade by hand\n"])
+def test_a_drawing_may_end_as_programs_end_it(tmp_path: Path, end: str) -> None:
+    path = tmp_path / "a.dxf"
+    path.write_bytes((R12.rstrip() + end).encode())
+    segments = Dxf(unit=1.0).load(path).segments
+    assert segments is not None
+    assert len(segments) > 3

@@ -104,10 +104,10 @@ def test_what_is_left_out_is_remarked_on_once(tmp_path: Path) -> None:
         ({"type": "FeatureCollection", "features": []}, "neither a line nor a polygon"),
         (
             {"type": "FeatureCollection", "features": [ROOM, geometry("Polygon", [[[0, 0], [1, "x"]]])]},
-            r"features\[1\]\.geometry\.coordinates\[0\]\[1\]: expected \[x, y\], two finite numbers, got a list of 2",
+            r"features\[1\]\.geometry\.coordinates\[0\]\[1\]: expected \[x, y\], two numbers .* got \[1.0, 'x'\]$",
         ),
         ({"type": "LineString", "coordinates": []}, "coordinates: expected positions, got none"),
-        ({"type": "LineString", "coordinates": [[0, 0], [1e300, 0]]}, r"coordinates\[1\]: expected"),
+        ({"type": "LineString", "coordinates": [[0, 0], [1e300, 0]]}, r"coordinates\[1\]: .*, got \[1e\+300, 0.0\]"),
         ("[" * 100_000, "nested too deeply"),
         ({"type": "LineString", "coordinates": [[0, 0], [1e11, 1]]}, "too large for cells"),
         ({"type": "Polygon", "coordinates": [[[0, 0], [1e8, 0], [1e8, 1e8], [0, 0]]]}, "more than 2000000 lines"),
@@ -145,7 +145,7 @@ def test_a_ring_over_the_date_line_is_in_one_piece(tmp_path: Path, longitudes, l
 
 def test_a_number_of_thousands_of_digits_is_refused_with_its_place(tmp_path: Path) -> None:
     path = written(tmp_path, '{"type": "LineString", "coordinates": [[1' + 5000 * "0" + ", 0], [1, 1]]}")
-    with pytest.raises(MapError, match=r"coordinates\[0\]: expected \[x, y\], two finite numbers"):
+    with pytest.raises(MapError, match=r"coordinates\[0\]: expected .*, got \[inf, 0.0\]"):
         GeoJson().load(path)
 
 

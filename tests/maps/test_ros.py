@@ -157,6 +157,22 @@ def test_what_real_files_do(tmp_path: Path, text: str) -> None:
     assert [("next to the file" in warning) for warning in world.warnings] == [True] * ("nowhere" in text)
 
 
+def test_a_picture_next_to_the_file_goes_before_one_named_by_its_whole_path(tmp_path: Path) -> None:
+    # As map_saver writes it: the whole path. A copy of both files elsewhere must read its own picture.
+    for folder in ("maps", "copy"):
+        (tmp_path / folder).mkdir()
+    path = write(tmp_path / "maps", [[0, 255]])
+    path.write_text(f"image: {tmp_path / 'maps' / 'lab.png'}\nresolution: 0.5\norigin: [0, 0, 0]\n")
+    world = am.load_map(path)
+    assert (world.to_array().tolist(), world.warnings) == ([[1, 0]], ())
+    assert list(Ros().companions(path)) == [Path("lab.png")]
+    copy = write(tmp_path / "copy", [[255, 0]])
+    copy.write_text(path.read_text())
+    moved = am.load_map(copy)
+    assert moved.to_array().tolist() == [[0, 1]]
+    assert moved.warnings == (f"lab.png, next to the file, is taken for {tmp_path / 'maps' / 'lab.png'}",)
+
+
 def test_other_keys_are_remarked_on_once(tmp_path: Path) -> None:
     world = Ros().load(write(tmp_path, [[0, 255]], free_tresh=0.2, author="x", more=[1, 2]))
     (warning,) = world.warnings
@@ -177,6 +193,12 @@ def test_other_keys_are_remarked_on_once(tmp_path: Path) -> None:
         ({"mode": "trinray"}, "line 4: mode is 'trinray'.*Did you mean 'trinary'"),
         ({"negate": 2}, "line 4: negate is '2'; expected 0 or 1"),
         ({"free_thresh": 0.9}, "line 4: free_thresh 0.9 is above occupied_thresh 0.65"),
+        ({"occupied_thresh": 65}, "line 4: occupied_thresh is 65; expected 0 to 1, a probability, such as 0.65"),
+        ({"free_thresh": -0.1}, "line 4: free_thresh is -0.1; expected 0 to 1, a probability, such as 0.196"),
+        (
+            {"image": None, "Image": "lab.png"},
+            "'image' is missing; .*line 3: 'Image' is no key of a ROS map. Did you m",
+        ),
         ({"image": "none.pgm"}, r"line 1: image .*none\.pgm: cannot be read: No such file"),
         ({"image": "lab.yaml"}, r"line 1: image .*lab\.yaml: it is no BMP, PNG"),
         ({"image": "{"}, "line [0-9]+: this is no YAML"),

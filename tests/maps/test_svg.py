@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import math
 from pathlib import Path
 
@@ -144,6 +145,10 @@ def test_what_is_wrong_is_said(tmp_path: Path, inside: str, words: str) -> None:
     [
         ('\n<path d="M0 0 L10 10 L x 5"/>', r"line 2: path: d has 'x 5', where a number was expected"),
         ('<polygon id="a" points="0,0 5,5 ?"/>', r"line 1: polygon 'a': points has '\?', where a number"),
+        ('\n<rect id="r" width="wide" height="5"/>', "line 2: rect 'r': width is 'wide'; expected a length"),
+        ('<g><circle r="1,5"/></g>', "line 1: circle: r is '1,5'; expected a length"),
+        ('\n<g transform="rotat(30)"><rect width="1" height="5"/></g>', r"line 2: g: transform is 'rotat\(30\)'; exp"),
+        ('<rect width="1" height="5" transform="scale(2"/>', "line 1: rect: transform is 'scale"),
         ('\n\n<svg viewBox="0 0 1 1" width="5mm" height="5"/>', "line 3: svg: width is '5mm'; expected a number"),
     ],
 )
@@ -242,3 +247,23 @@ def test_a_written_drawing_has_its_true_size(tmp_path: Path) -> None:
     am.save_map(am.Map.from_segments([(0, 0, 3, 0)], resolution=0.01, extent=(0, 0, 4, 3)), tmp_path / "a.svg")
     world = am.load_map(tmp_path / "a.svg")
     assert (world.size, world.segments.tolist()) == ((4.0, 3.0), [[0.0, 0.0, 3.0, 0.0]])
+
+
+@pytest.mark.parametrize(
+    "transform",
+    ["", " translate(1)", "matrix(1 0 0 1 2e0 -.5),rotate( 30 , 1 2 )", "scale (2)\n skewX(-3) skewY(+3)", "none"],
+)
+def test_transforms_that_browsers_take_are_taken(tmp_path: Path, transform: str) -> None:
+    Svg(unit=1.0).load(
+        written(
+            tmp_path,
+            f'<rect width="auto" rx="auto" height="5" transform="{transform}"/><line x1="1" x2="20%" y1=" 3px "/>',
+        )
+    )
+
+
+def test_a_compressed_drawing_is_named_as_such(tmp_path: Path) -> None:
+    path = tmp_path / "a.svg"
+    path.write_bytes(gzip.compress(b"<svg/>"))
+    with pytest.raises(MapError, match="it is compressed; save it as plain SVG, or unpack it with gunzip"):
+        Svg().load(path)

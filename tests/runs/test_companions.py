@@ -143,6 +143,23 @@ def test_two_maps_with_companions_of_one_name_are_both_kept(tmp_path: Path) -> N
     assert Sheet().load(tmp_path / "copy" / "room_2" / "room.sheet") == read.robots[0].knowledge.map
 
 
+@pytest.mark.parametrize("folder", ["study", "pictures"])
+def test_a_picture_of_ros_that_is_named_by_its_whole_path_is_copied_too(tmp_path: Path, folder: str) -> None:
+    (tmp_path / "study").mkdir()
+    (tmp_path / folder).mkdir(exist_ok=True)
+    room = np.array([[c == "#" for c in line] for line in ROOM.splitlines()])
+    am.save_map(am.Map.from_array(room, resolution=1.0), tmp_path / folder / "room.yaml")
+    text = (tmp_path / folder / "room.yaml").read_text()
+    whole = tmp_path / folder / "room.pgm"
+    (tmp_path / "study" / "room.yaml").write_text(text.replace("'room.pgm'", str(whole)))
+    (tmp_path / "study" / "scenario.toml").write_text(SCENARIO.format(map="room.yaml"))
+    am.run(am.load(tmp_path / "study" / "scenario.toml"), tmp_path / "run")
+    (picture,) = (tmp_path / "run").rglob("*.pgm")
+    assert picture.read_bytes() == whole.read_bytes()
+    whole.unlink()
+    assert am.load(tmp_path / "run" / "scenario.toml").map.to_array().tolist() == room.astype(int).tolist()
+
+
 def test_a_map_that_names_its_companion_by_its_whole_path_is_refused(tmp_path: Path) -> None:
     scenario = make(tmp_path / "study", "room.sheet", "cells", str(tmp_path / "study" / "cells"))
     with pytest.raises(am.RunError, match=r"room\.sheet: its copy would still read .*study/cells; name .* relative"):

@@ -72,6 +72,9 @@ def test_where_two_claim_an_extension_the_first_bytes_decide(boxes, folder, tmp_
     [
         ("none.wld", {}, "none.wld: there is no such file"),
         (".", {}, "a folder; a map is a file"),
+        ("what.dwg", {}, r"a DWG drawing is no map that amorsim reads; save it as \.dxf$"),
+        ("what.map.scen", {}, r"problems on a map of MovingAI .*; give the \.map$"),
+        ("what.SVGZ", {}, r"a compressed drawing is no map that amorsim reads; unpack it to a plain \.svg$"),
         ("what.xyz", {}, r"no map of a known format; known extensions: \.bmp, \.box, .*\.png, .*\.wld"),
         ("room.wld", {"resolutoin": 1.0}, r"'wld' have no option 'resolutoin', but: .*Did you mean 'resolution'\?"),
         ("room.wld", {"resolution": "fine"}, r"option resolution: expected a number \[m\] > 0, got 'fine'"),
@@ -83,7 +86,8 @@ def test_where_two_claim_an_extension_the_first_bytes_decide(boxes, folder, tmp_
     ],
 )
 def test_what_is_wrong_is_said(boxes, folder, name, options, words):
-    (folder / "what.xyz").write_bytes(b"\x01\x02\x03")
+    for other in ("xyz", "dwg", "map.scen", "SVGZ"):
+        (folder / f"what.{other}").write_bytes(b"\x01\x02\x03")
     for box in ("a", "crash", "nothing"):
         (folder / f"{box}.box").write_text(f"BOX {box}")
     with pytest.raises(MapError, match=words):

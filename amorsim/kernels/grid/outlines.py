@@ -21,7 +21,10 @@ from amorsim.kernels.grid.grid import NONE, ONE, Grid, word_at
 from amorsim.kernels.grid.segment_boxes import index_segments
 from amorsim.kernels.grid.segments import SegmentIndex
 
-__all__ = ["outline_lines", "strips_of", "trace"]
+__all__ = ["MOST_STRIPS", "outline_lines", "strips_of", "trace"]
+
+MOST_STRIPS = 2_500_000
+"""Of a map: looking them up takes 0.4 kB each, so 1 GB in all."""
 
 Floats = NDArray[np.float64]
 Cells = NDArray[np.uint8]
@@ -165,7 +168,7 @@ def _follow(cells: Cells, seen: Cells, x: int, y: int, corners: Floats, made: in
 
 
 @kernel
-def trace(grid: Grid, cells: Cells, seen: Cells, strips: Floats) -> int:
+def trace(grid: Grid, cells: Cells, seen: Cells, strips: Floats, most: int) -> int:
     """Write strips that hold all sides by which a ray can come from a free cell into an occupied one of the map.
 
     Parameters
@@ -177,6 +180,8 @@ def trace(grid: Grid, cells: Cells, seen: Cells, strips: Floats) -> int:
     strips
         (M, 5): x0, y0, x1, y1 of a segment, and how far the strip reaches beyond it on all sides [cells]. As many as it
         has room for are written; their number is returned.
+    most
+        If there are more, the rest is not looked for, and some number above it is returned.
     """
     rows, cols = cells.shape
     corners = np.empty((_MOST_CORNERS, 2))
@@ -196,22 +201,32 @@ def trace(grid: Grid, cells: Cells, seen: Cells, strips: Floats) -> int:
                     col = 8 * block_col + (bit & 7)
                     if row < rows and col < cols and not seen[row, col]:
                         made = _follow(cells, seen, col, row, corners, made, strips)
+                        if made > most:
+                            return made
                 tops >>= ONE
                 bit += 1
     return made
 
 
-def strips_of(grid: Grid, cells: Cells) -> Floats:
-    """Strips (M, 5) of the cells of a grid, given as an array too; see `trace`."""
+def strips_of(grid: Grid, cells: Cells, most: int = MOST_STRIPS) -> Floats:
+    """Strips (M, 5) of the cells of a grid, given as an array too; see `trace`.
+
+    Raises
+    ------
+    OverflowError
+        If there are more than `most`: then the cells are noise, or nearly.
+    """
     strips = np.empty((_USUAL_STRIPS, 5))  # what is not written to takes no memory
-    made = trace(grid, cells, np.zeros_like(cells), strips)
+    made = trace(grid, cells, np.zeros_like(cells), strips, most)
+    if made > most:
+        raise OverflowError(f"more than {most} strips")
     if made > len(strips):
         strips = np.empty((made, 5))
-        trace(grid, cells, np.zeros_like(cells), strips)
+        trace(grid, cells, np.zeros_like(cells), strips, most)
     return strips[:made]
 
 
-def outline_lines(grid: Grid, cells: Cells) -> SegmentIndex:
-    """Lines of the outlines of a grid's cells, given as an array too, for scans to look up."""
-    strips = strips_of(grid, cells) * grid.resolution
+def outline_lines(grid: Grid, cells: Cells, most: int = MOST_STRIPS) -> SegmentIndex:
+    """Lines of the outlines of a grid's cells, given as an array too, for scans to look up; raises as `strips_of`."""
+    strips = strips_of(grid, cells, most) * grid.resolution
     return index_segments(strips[:, :4], grid.rows, grid.cols, grid.resolution, strips[:, 4], grid)

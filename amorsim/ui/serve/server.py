@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import errno
 import socket
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
@@ -27,6 +28,8 @@ from amorsim.ui.serve.talk import Talk
 from amorsim.ui.serve.wire import LONGEST_MESSAGE
 
 __all__ = ["build", "listen", "serve"]
+
+_NOT_OURS = (errno.EADDRNOTAVAIL, errno.EAFNOSUPPORT)  # of a socket's address: that of another machine
 
 LONGEST_HEAD = 32 * 1024  # [bytes] of a request: a browser sends the cookies of all that is served on this host
 LONGEST_UPLOAD = 60.0  # [s] of a film's pictures
@@ -138,10 +141,13 @@ def listen(host: str, port: int) -> socket.socket:
     try:
         bound.bind((host, port))
         bound.listen()  # who asks as soon as the address is printed waits, and is not refused
-    except (OSError, OverflowError) as error:
+    except (OSError, OverflowError, UnicodeError) as error:
         bound.close()
         reason = getattr(error, "strerror", None) or str(error)
-        raise AmorsimError(f"cannot listen on {host}, port {port}: {reason}; choose another with --port") from None
+        is_unknown = isinstance(error, (socket.gaierror, UnicodeError))
+        is_host = is_unknown or getattr(error, "errno", None) in _NOT_OURS
+        other = "--host, such as 127.0.0.1" if is_host else "--port"
+        raise AmorsimError(f"cannot listen on {host}, port {port}: {reason}; choose another with {other}") from None
     return bound
 
 

@@ -427,6 +427,15 @@ def test_a_taken_port_is_an_error_of_ours() -> None:
             listen("127.0.0.1", port)
 
 
+@pytest.mark.parametrize("host", ["no.such.host.invalid", "300.1.1.1", "192.0.2.1", "::ffff:192.0.2.1", "a b"])
+def test_a_host_that_is_not_this_machines_is_an_error_that_names_host(host: str) -> None:
+    with pytest.raises(
+        AmorsimError, match=r"cannot listen on .*; choose another with --host, such as 127.0.0.1"
+    ) as caught:
+        listen(host, 0)
+    assert "--port" not in str(caught.value)
+
+
 def test_a_token_in_an_address_that_is_not_found_goes_into_no_log() -> None:
     seen: list[dict[str, Any]] = []
 
