@@ -163,7 +163,7 @@ class Document:
         DocumentError
             If the path leads nowhere, or TOML has no such value.
         """
-        value = plain(value)
+        value = plain(value, path)
         with self._journal.changing():
             self._setter.set(self._at(path), value)
 
@@ -212,7 +212,7 @@ class Document:
         DocumentError
             If there is something else than a list, or TOML has no such value.
         """
-        at, value = self._at(path), plain(value)
+        at, value = self._at(path), plain(value, path)
         there = found_at(self._editor.values, at)
         if there is not MISSING and not isinstance(there, list):
             raise DocumentError(f"expected a list, to which something can be added; it is {shown(there)}", path)

@@ -35,38 +35,38 @@ def parse_value(text: str) -> Any:
     return table["value"]
 
 
-def plain(value: Any) -> Any:
+def plain(value: Any, path: str = "") -> Any:
     """A value of Python as TOML has it: tuples and arrays as lists, NumPy's numbers as Python's.
 
     Raises
     ------
     DocumentError
-        If TOML has no such value.
+        If TOML has no such value; with the path that it was for.
     """
     if isinstance(value, str):
-        return checked_text(value)
+        return checked_text(value, path)
     if isinstance(value, (bool, *_TIMES)):
         return value
     if isinstance(value, Mapping):
         for key in value:
             if not isinstance(key, str):
-                raise DocumentError(f"expected texts as the keys of a table, got {in_words(key)}")
-        return {checked_text(key): plain(item) for key, item in value.items()}
+                raise DocumentError(f"expected texts as the keys of a table, got {in_words(key)}", path)
+        return {checked_text(key, path): plain(item, path) for key, item in value.items()}
     if isinstance(value, float):
         return value if isinstance(value, LongDegrees) else float(value)
     if isinstance(value, (list, tuple)):
-        return [plain(item) for item in value]
+        return [plain(item, path) for item in value]
     if hasattr(value, "tolist"):  # of NumPy
-        return plain(value.tolist())
+        return plain(value.tolist(), path)
     try:
         return operator.index(value)
     except TypeError:
         raise DocumentError(
-            f"expected a number, a text, true, false, a list or a table of these, got {in_words(value)}"
+            f"expected a number, a text, true, false, a list or a table of these, got {in_words(value)}", path
         ) from None
 
 
-def checked_text(text: str) -> str:
+def checked_text(text: str, path: str = "") -> str:
     """The text itself.
 
     Raises
@@ -75,7 +75,7 @@ def checked_text(text: str) -> str:
         If no file can hold it, for it has half of a pair of surrogates.
     """
     if any("\ud800" <= letter <= "\udfff" for letter in text):
-        raise DocumentError(f"expected a text that UTF-8 can hold, got {in_words(text)}")
+        raise DocumentError(f"expected a text that UTF-8 can hold, got {in_words(text)}", path)
     return text
 
 

@@ -225,6 +225,16 @@ def test_what_no_file_can_hold_is_refused(document, value):
     assert document.text == before
 
 
+@pytest.mark.parametrize("value", [None, {1, 2}, [1, {"a": 1j}], {2: "b"}, ["\ud800"]])
+def test_a_value_that_toml_has_not_is_refused_by_its_path(document, value):
+    for path, does in (("robots.rover.colour", document.set), ("obstacles", document.add)):
+        with pytest.raises(am.DocumentError, match="expected") as caught:
+            does(path, value)
+        assert caught.value.path == path
+        assert str(caught.value).startswith(f"{path}: expected")
+    assert document.text == TEXT
+
+
 def test_what_is_no_toml_stays_and_the_rest_can_be_changed(tmp_path):
     text = TEXT.replace("dt = 0.10 ", "dt = 0.1.0 ").replace('name = "box"', 'name = "box\nname = 3\nname = 4')
     path = tmp_path / "bad.toml"

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from tests.ui.test_window_editor import Editor
+from tests.ui.windows import expect
 
 pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
 
@@ -30,10 +31,14 @@ def test_the_view_stays_while_things_are_drawn_and_shows_all_of_another_world(ed
         """Where things are on the page: faults below the drawing may take room from it."""
         return [*editor.see("stage.camera.toScreen(0, 0)"), editor.see("stage.camera.scale")]
 
+    inspector = page.locator(".inspector")
+    expect(inspector).to_contain_text("nothing is here yet: press R")
     before = view()
     page.select_option("select[aria-label='add a thing']", "pioneer2dx")
     editor.step(lambda: editor.click(2.0, 2.0))
     assert view() == pytest.approx(before)
+    page.keyboard.press("Escape")
+    expect(inspector).to_contain_text("nothing is selected")
     page.keyboard.press("r")
     editor.click(0.0, 0.0)
     editor.step(lambda: editor.click(8.0, 6.0))

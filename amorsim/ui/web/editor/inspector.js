@@ -16,6 +16,7 @@ import { reshaping } from "./reshape.js";
 
 const FIRST = ["Controller", "Motion"]; // sections that are open from the beginning
 const NONE = "nothing is selected: click a thing on the canvas or in the list";
+const BEGIN = "nothing is here yet: press R and click two corners for four walls; then choose a robot in “add …”, and click where it is to stand";
 const LEAVE_OUT = "remove it here: the model's value or the default holds";
 
 export class Inspector {
@@ -43,7 +44,9 @@ export class Inspector {
     const one = /** @type {import("./stage.js").Chosen | null} */ (selection.only);
     if (!one) {
       const count = selection.things.length;
-      this.empty(count ? `${count} things selected` : "Nothing selected", count ? "drag moves them all; Delete deletes them" : NONE, reshaping(this.page));
+      const { things, walls } = this.page.stage;
+      const words = walls.walls.length || things.some(({ kind }) => kind !== "settings") ? NONE : BEGIN;
+      this.empty(count ? `${count} things selected` : "Nothing selected", count ? "drag moves them all; Delete deletes them" : words, reshaping(this.page));
       return;
     }
     if (one.wall !== undefined) {
