@@ -41,7 +41,8 @@ def meaning_of(said: Any) -> tuple[Any, ...]:
         said = {"value": said}
     parts = said.get("scale", 1.0), said.get("add", 0.0), said.get("value")
     is_drawn = any(isinstance(part, dict) for part in parts)
-    return (*parts, said.get("per", "replica") if is_drawn else None)
+    kinds = tuple(type(part) is bool for part in parts)  # true equals 1, and is a fault
+    return (*parts, *kinds, said.get("per", "replica") if is_drawn else None)
 
 
 def without_neutral(errors: Any) -> dict[str, Any]:

@@ -42,6 +42,12 @@ def test_values_are_toml_or_else_plain_texts(read):
     assert (scenario.robots[1].pose.x, scenario.robots[1].pose.heading) == (3.0, pytest.approx(1.5707963267948966))
 
 
+@pytest.mark.parametrize("setting", ["scale=true", "add=false"])
+def test_an_error_that_is_no_number_is_refused_though_it_equals_the_neutral_one(read, setting):
+    with pytest.raises(ScenarioError, match=r"errors\.drive\.track\.\w+: expected"):
+        read(TWO + "errors.drive.track = { scale = 1.0 }\n", f"robots.scout.errors.drive.track.{setting}")
+
+
 def test_tables_are_made_on_the_way(read):
     scenario = read(TWO, "robots.0.errors.drive.track.scale=1.02", "robots.0.errors.drive.wheel_radius_left=0.08")
     assert scenario.robots[0].errors == {
