@@ -47,8 +47,8 @@ def parse_map_yaml(text: str) -> MapYaml:
     for key in _REQUIRED:
         if key not in nodes:
             raise MapError(
-                f"{key!r} is missing; the YAML file of a ROS map has {', '.join(_REQUIRED)} at least, and a scenario "
-                f"is a .toml file{''.join(f'; {each}' for each in remarks)}"
+                f"{key!r} is missing{''.join(f' ({each})' for each in remarks)}; the YAML file of a ROS map has "
+                f"{', '.join(_REQUIRED)} at least, and a scenario is a .toml file"
             )
     image = _text(nodes["image"], "image", "the path of a picture")
     resolution = _number(nodes["resolution"], "resolution")

@@ -21,15 +21,15 @@ _MOST_ELEMENTS = 200_000
 _DEEPEST = 100
 _SVG = "{http://www.w3.org/2000/svg}"
 _HREFS = ("href", "{http://www.w3.org/1999/xlink}href")
-_LENGTH = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*([a-zA-Z%]*)\s*")
-_NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+_NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+_LENGTH = re.compile(rf"\s*({_NUMBER})\s*([a-zA-Z%]*)\s*")
 _ROWS = {
     "d": re.compile(rf"(?:[\s,MmZzLlHhVvCcSsQqTtAa]|{_NUMBER})*"),
     "points": re.compile(rf"(?:[\s,]|{_NUMBER})*"),
 }
-_TRANSFORM = re.compile(
-    rf"(?:[\s,]*(?:matrix|translate|scale|rotate|skewX|skewY)\s*\(\s*{_NUMBER}(?:(?:[\s,]+|(?=[+-])){_NUMBER})*[\s,]*\))*[\s,]*"
-)
+# Numbers may follow one another without a gap, as in 1.5.5-2; each is taken whole, so that a match takes no time.
+_NUMBERS = rf"(?>{_NUMBER})(?:(?:[\s,]+|(?=[+.-]))(?>{_NUMBER}))*"
+_TRANSFORM = re.compile(rf"(?:[\s,]*(?:matrix|translate|scale|rotate|skewX|skewY)\s*\(\s*{_NUMBERS}[\s,]*\))*[\s,]*")
 _ACROSS = ("x", "width", "cx", "rx", "x1", "x2")
 _UP = ("y", "height", "cy", "ry", "y1", "y2")
 _MEASURED = ("rect", "circle", "ellipse", "line", "use")

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Frame
-from amorsim.recorders.lines import Span
+from amorsim.recorders.line_printer import Span
 
 __all__ = ["BodySteps", "RobotSteps", "Steps", "small_beliefs"]
 

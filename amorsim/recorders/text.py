@@ -19,8 +19,8 @@ import numpy.typing as npt
 from amorsim.contracts import Frame, ObstacleFrame, Recorder, RunInfo
 from amorsim.core.errors import RunError
 from amorsim.core.poses import logarithm, relative
-from amorsim.recorders.files import LineFiles
-from amorsim.recorders.lines import EXACT, MISSING, NAME, NOTHING, Columns, Printer, Span
+from amorsim.recorders.line_files import LineFiles
+from amorsim.recorders.line_printer import EXACT, MISSING, NAME, NOTHING, Columns, Printer, Span
 from amorsim.recorders.steps import BodySteps, RobotSteps, Steps, small_beliefs
 
 __all__ = ["Text"]

@@ -18,7 +18,7 @@ from amorsim.runs.folder import circumstances, fingerprints
 from amorsim.runs.replay import Replay
 from amorsim.runs.session import RunSession
 from amorsim.runs.tables import last_line
-from amorsim.runs.worlds import different_world
+from amorsim.runs.world_digests import different_world
 from amorsim.simulation.simulation import Simulation
 
 __all__ = ["Outcome", "reproduce"]

@@ -26,7 +26,7 @@ from amorsim.runs.asking import ask, fresh
 from amorsim.runs.estimated_maps import write_estimated_maps
 from amorsim.runs.folder import ABOUT, FORMAT, RunFolder, circumstances, fingerprints, last_time
 from amorsim.runs.traces import Traces, collisions_of
-from amorsim.runs.worlds import fingerprints_of_worlds
+from amorsim.runs.world_digests import fingerprints_of_worlds
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.write import resolved_table, with_copies, write_table
 from amorsim.simulation.handle import finite_numbers

@@ -34,7 +34,7 @@ from amorsim.scenario.spec import Scenario
 from amorsim.testing.drive import DriveTrial
 from amorsim.testing.failure import Who
 from amorsim.testing.kinds import ControllerTrial, EstimatorTrial, MotionTrial, NoiseTrial, SensorTrial
-from amorsim.testing.maps import check_map_loader
+from amorsim.testing.map_loaders import check_map_loader
 from amorsim.testing.metrics import check_metric
 from amorsim.testing.planners import check_planner
 from amorsim.testing.recorders import check_recorder
@@ -42,7 +42,7 @@ from amorsim.testing.rig import ROWS, Rig
 from amorsim.testing.scenario_loaders import check_scenario_loader
 from amorsim.testing.trial import Record, Trial, try_rows
 from amorsim.testing.variants import example, variants
-from amorsim.testing.worlds import check_world_generator
+from amorsim.testing.world_generators import check_world_generator
 
 __all__ = ["check_component"]
 

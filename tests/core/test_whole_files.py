@@ -146,7 +146,7 @@ OWN_MEANS = {
     "maps/wld.py",
     "runs/folder.py",
     "sweeps/table.py",
-    "testing/maps.py",
+    "testing/map_loaders.py",
     "testing/scenario_loaders.py",
     "ui/serve/opening.py",
 }

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from amorsim.kernels.text.decimals import write_lines
 from amorsim.kernels.text.shortest import powers_of_ten
-from amorsim.recorders.lines import EXACT, MISSING, NAME, NOTHING, Columns, Printer, Span
+from amorsim.recorders.line_printer import EXACT, MISSING, NAME, NOTHING, Columns, Printer, Span
 from tests.examples import settings
 
 

@@ -12,7 +12,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from amorsim.kernels.text.shortest import powers_of_ten
-from amorsim.recorders.lines import EXACT, Columns, Printer, Span
+from amorsim.recorders.line_printer import EXACT, Columns, Printer, Span
 from tests.examples import settings
 
 

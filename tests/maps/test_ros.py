@@ -197,7 +197,7 @@ def test_other_keys_are_remarked_on_once(tmp_path: Path) -> None:
         ({"free_thresh": -0.1}, "line 4: free_thresh is -0.1; expected 0 to 1, a probability, such as 0.196"),
         (
             {"image": None, "Image": "lab.png"},
-            "'image' is missing; .*line 3: 'Image' is no key of a ROS map. Did you m",
+            r"'image' is missing \(line 3: 'Image' is no key of a ROS map\. Did you m",
         ),
         ({"image": "none.pgm"}, r"line 1: image .*none\.pgm: cannot be read: No such file"),
         ({"image": "lab.yaml"}, r"line 1: image .*lab\.yaml: it is no BMP, PNG"),

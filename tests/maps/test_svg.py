@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import math
+import time
 from pathlib import Path
 
 import numpy as np
@@ -251,7 +252,14 @@ def test_a_written_drawing_has_its_true_size(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     "transform",
-    ["", " translate(1)", "matrix(1 0 0 1 2e0 -.5),rotate( 30 , 1 2 )", "scale (2)\n skewX(-3) skewY(+3)", "none"],
+    [
+        "",
+        " translate(1)",
+        "matrix(1 0 0 1 2e0 -.5),rotate( 30 , 1 2 )",
+        "scale (2)\n skewX(-3) skewY(+3)",
+        "translate(1.5.5-2)",
+        "none",
+    ],
 )
 def test_transforms_that_browsers_take_are_taken(tmp_path: Path, transform: str) -> None:
     Svg(unit=1.0).load(
@@ -260,6 +268,15 @@ def test_transforms_that_browsers_take_are_taken(tmp_path: Path, transform: str)
             f'<rect width="auto" rx="auto" height="5" transform="{transform}"/><line x1="1" x2="20%" y1=" 3px "/>',
         )
     )
+
+
+@pytest.mark.parametrize("numbers", ["1" * 200_000, "1.5" * 100_000, "1 " * 100_000, " " * 200_000, "+" * 200_000])
+def test_long_texts_take_no_time(tmp_path: Path, numbers: str) -> None:
+    for shape in (f'<g transform="scale({numbers}?"/>', f'<rect width="{numbers}?"/>'):
+        before = time.perf_counter()
+        with pytest.raises(MapError, match=r"line 1: (g: transform|rect: width) is"):
+            Svg().load(written(tmp_path, shape))
+        assert time.perf_counter() - before < 5.0
 
 
 def test_a_compressed_drawing_is_named_as_such(tmp_path: Path) -> None:

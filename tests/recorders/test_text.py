@@ -16,7 +16,7 @@ import pytest
 import amorsim as am
 from amorsim.contracts import RunInfo
 from amorsim.core.errors import RunError
-from amorsim.recorders.files import LONGEST_WAIT
+from amorsim.recorders.line_files import LONGEST_WAIT
 from amorsim.recorders.text import Text
 from tests import building
 from tests.recorders.plain_text import PlainText
@@ -218,7 +218,7 @@ def test_who_is_broken_off_loses_and_doubles_no_line(
 ) -> None:
     robot = building.robot(sensors=building.all_sensors(), controller=building.Roam())
     simulation = am.Simulation(building.scenario(robot) if kinds == "one" else several_kinds())
-    monkeypatch.setattr("amorsim.recorders.files.LONGEST_WAIT", 3600.0)  # nobody but this test asks for lines
+    monkeypatch.setattr("amorsim.recorders.line_files.LONGEST_WAIT", 3600.0)  # nobody but this test asks for lines
     text = Text()
     text.open(RunInfo(tmp_path, simulation.dt, simulation.replicas, with_sensors=True), simulation.frames())
     plain = PlainText(simulation.frames(), [], simulation.dt, False)

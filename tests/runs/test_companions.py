@@ -140,7 +140,7 @@ def test_two_maps_with_companions_of_one_name_are_both_kept(tmp_path: Path) -> N
         "room/room.sheet",
         "room_2/room.sheet",
     )
-    assert Sheet().load(tmp_path / "copy" / "room_2" / "room.sheet") == read.robots[0].knowledge.map
+    assert am.load_map(tmp_path / "copy" / "room_2" / "room.sheet") == read.robots[0].knowledge.map
 
 
 @pytest.mark.parametrize("folder", ["study", "pictures"])

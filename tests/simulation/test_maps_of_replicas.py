@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import amorsim as am
-from amorsim.runs.worlds import world_fingerprint
+from amorsim.runs.world_digests import world_fingerprint
 from amorsim.scenario.read import loads
 from amorsim.scenario.resolved import resolved_table
 from amorsim.scenario.write import table_text, with_copies, write_table

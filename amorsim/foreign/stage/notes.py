@@ -35,9 +35,10 @@ class Notes:
         self._shown_only: dict[str, None] = {}
 
     def fault(self, place: Place, message: str) -> None:
-        """Note what is wrong in a line."""
-        if len(self.faults) < _MOST_FAULTS:
-            self.faults.append(Fault(file=str(place.file), path="", line=place.line, message=message))
+        """Note what is wrong in a line, once: a value may be read for several things."""
+        fault = Fault(file=str(place.file), path="", line=place.line, message=message)
+        if len(self.faults) < _MOST_FAULTS and fault not in self.faults:
+            self.faults.append(fault)
 
     def raise_if_any(self) -> None:
         """Raise a `ScenarioError` if there are faults."""

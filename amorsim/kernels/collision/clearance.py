@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from amorsim.kernels.collision.footprints import Bodies, most_vertices, place_body, rounding_slack
+from amorsim.kernels.collision.part_and_box import Box, part_bounds, part_distance, part_separation
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.grid.grid import Grid, box_is_free
 
@@ -22,89 +23,9 @@ __all__ = ["map_gap", "map_gaps"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-Box = tuple[float, float, float, float]
 
 FIRST_LOOK = 64.0
 """Radius [cells] of the first search around a body; each later one goes four times as far."""
-
-
-@kernel
-def _bounds(edges: Floats, first: int, last: int) -> Box:
-    """Least x, least y, largest x, largest y [m] of the vertices of a part."""
-    low_x = math.inf
-    low_y = math.inf
-    high_x = -math.inf
-    high_y = -math.inf
-    for i in range(first, last):
-        low_x = min(low_x, edges[i, 0])
-        low_y = min(low_y, edges[i, 1])
-        high_x = max(high_x, edges[i, 0])
-        high_y = max(high_y, edges[i, 1])
-    return low_x, low_y, high_x, high_y
-
-
-@kernel
-def _separation(edges: Floats, first: int, last: int, bounds: Box, box: Box, enough: float) -> float:
-    """Separation [m] of a convex part and a box (x0, y0, x1, y1) along a side of either; negative: overlap.
-
-    Never more than their distance, and equal to it for a part of one vertex. Stops early at `enough` or more.
-    """
-    low_x, low_y, high_x, high_y = bounds
-    x0, y0, x1, y1 = box
-    across_x = max(x0 - high_x, low_x - x1)
-    across_y = max(y0 - high_y, low_y - y1)
-    most = max(across_x, across_y)
-    if last - first == 1:
-        if across_x > 0.0 and across_y > 0.0:
-            most = math.sqrt(across_x * across_x + across_y * across_y)
-        return most
-    for i in range(first, last):
-        if most >= enough:
-            break
-        nx = edges[i, 2]
-        ny = edges[i, 3]
-        # The corner farthest inward along the normal.
-        x = x0 if nx > 0.0 else x1
-        y = y0 if ny > 0.0 else y1
-        most = max(most, ((x - edges[i, 0]) * nx + (y - edges[i, 1]) * ny) * edges[i, 4])
-    return most
-
-
-@kernel
-def _distance(edges: Floats, first: int, last: int, box: Box) -> tuple[float, float, float]:
-    """Distance [m] between a convex part and a box that are apart, and the nearest point of the box."""
-    x0, y0, x1, y1 = box
-    square = math.inf
-    near_x = x0
-    near_y = y0
-    for i in range(first, last):
-        x = min(max(edges[i, 0], x0), x1)
-        y = min(max(edges[i, 1], y0), y1)
-        dx = x - edges[i, 0]
-        dy = y - edges[i, 1]
-        if dx * dx + dy * dy < square:
-            square = dx * dx + dy * dy
-            near_x = x
-            near_y = y
-    nearest = math.sqrt(square)
-    if last - first > 1:
-        for i in range(first, last):
-            nx = edges[i, 2]
-            ny = edges[i, 3]
-            # Of the box's points, only the corner farthest inward along the normal can be nearest to an
-            # edge's inside.
-            x = x0 if nx > 0.0 else x1
-            y = y0 if ny > 0.0 else y1
-            dx = x - edges[i, 0]
-            dy = y - edges[i, 1]
-            along = dy * nx - dx * ny
-            if 0.0 < along < nx * nx + ny * ny:
-                away = (dx * nx + dy * ny) * edges[i, 4]
-                if 0.0 <= away < nearest:
-                    nearest = away
-                    near_x = x
-                    near_y = y
-    return nearest, near_x, near_y
 
 
 @kernel
@@ -146,7 +67,7 @@ def _try_word(
         (col + right + 1) * resolution,
         (row + high + 1) * resolution,
     )
-    if _separation(edges, first, last, bounds, tight, nearest[0]) >= nearest[0]:
+    if part_separation(edges, first, last, bounds, tight, nearest[0]) >= nearest[0]:
         return
     for i in range(low, high + 1):
         bits = np.int64((word >> np.uint64(8 * i)) & np.uint64(255))
@@ -164,11 +85,11 @@ def _try_word(
                 (row + i + 1) * resolution,
             )
             start = stop
-            apart = _separation(edges, first, last, bounds, run, nearest[0])
+            apart = part_separation(edges, first, last, bounds, run, nearest[0])
             if apart >= nearest[0]:
                 continue
             if apart >= 0.0:
-                distance, x, y = _distance(edges, first, last, run)
+                distance, x, y = part_distance(edges, first, last, run)
                 apart = max(apart, distance)
                 if apart >= nearest[0]:
                     continue
@@ -194,7 +115,7 @@ def _try_cells(
 ) -> None:
     """Lower `nearest` as `_try_word` does, for one part and all words of a box of cells inside the map."""
     row0, col0, row1, col1 = cells
-    bounds = _bounds(edges, first, last)
+    bounds = part_bounds(edges, first, last)
     word_side = 8.0 * grid.resolution
     for page_row in range(row0 >> 6, (row1 >> 6) + 1):
         for page_col in range(col0 >> 6, (col1 >> 6) + 1):
@@ -216,7 +137,7 @@ def _try_cells(
                 (word_col1 + 1) * word_side,
                 (word_row1 + 1) * word_side,
             )
-            if _separation(edges, first, last, bounds, box, nearest[0]) >= nearest[0]:
+            if part_separation(edges, first, last, bounds, box, nearest[0]) >= nearest[0]:
                 continue
             for word_row in range(word_row0, word_row1 + 1):
                 for word_col in range(word_col0, word_col1 + 1):
@@ -322,7 +243,7 @@ def map_gap(
     base = bodies.vertex_first[bodies.part_first[body]]
     rows = bodies.vertex_first[bodies.part_first[body + 1]] - base
     _try_outside(grid, edges, rows, nearest)
-    low_x, low_y, high_x, high_y = _bounds(edges, 0, rows)
+    low_x, low_y, high_x, high_y = part_bounds(edges, 0, rows)
     look = radius + FIRST_LOOK * resolution
     while nearest[0] >= radius:
         # A cell more on each side than the numbers say, as they are rounded.

@@ -11,7 +11,7 @@ import attrs
 from amorsim.contracts import Controller, Estimator
 from amorsim.core.errors import AmorsimError, RunError
 from amorsim.runs.tables import check_file
-from amorsim.runs.worlds import KEY, world_fingerprint
+from amorsim.runs.world_digests import KEY, world_fingerprint
 from amorsim.scenario.document import open_document
 from amorsim.scenario.partial import Partial
 from amorsim.ui.scene.still import StillBuilder

@@ -256,6 +256,7 @@ def test_all_faults_are_reported_with_their_lines(write) -> None:
         "6: the block has 4 points, and no point[1]",
     }
     assert expected <= set(found)
+    assert len(found) == len(set(found))
 
 
 def test_faults_of_the_scenario_name_the_model_and_its_line(write) -> None:

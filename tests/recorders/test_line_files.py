@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from amorsim.core.errors import RunError
-from amorsim.recorders.files import LONGEST_WAIT, PAGE, LineFile, LineFiles
+from amorsim.recorders.line_files import LONGEST_WAIT, PAGE, LineFile, LineFiles
 from tests.disks import small_disk
 
 
