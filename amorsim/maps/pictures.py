@@ -243,7 +243,7 @@ def open_picture(path: Path) -> Picture:
 def refuse_too_many_pixels(world: Map) -> None:
     """Raise `MapError` if a map has more cells than a picture may have pixels that `open_picture` reads."""
     rows, columns = world.shape
-    if rows * columns > _most_pixels():
+    if Image.MAX_IMAGE_PIXELS is not None and rows * columns > _most_pixels():
         raise MapError(
             f"its cells of {world.resolution:g} m would be a picture of {columns} x {rows} pixels; expected "
             f"{_most_pixels()} pixels at most, so take larger cells (resolution)"

@@ -439,6 +439,12 @@ def test_more_cells_than_a_picture_may_have_pixels_are_refused_before_they_are_u
     assert not list(tmp_path.iterdir())
 
 
+def test_who_takes_the_limit_of_pixels_away_has_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Image, "MAX_IMAGE_PIXELS", None)
+    am.save_map(Map.from_array([[0, 1]], resolution=1.0), tmp_path / "hall.png")
+    assert Bitmap(resolution=1.0).load(tmp_path / "hall.png").to_array().tolist() == [[0, 1]]
+
+
 def test_the_map_of_ros_next_to_a_picture_is_named(tmp_path: Path) -> None:
     path = saved(tmp_path, grey([0, 205, 254]), "lab.pgm")
     with pytest.raises(
