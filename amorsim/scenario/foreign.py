@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -28,14 +28,7 @@ def find_scenario_loader(path: Path, registry: Registry) -> tuple[str, type[Scen
     if extension in ("", ".toml"):
         return None
     head: bytes | None = None
-    for entry in registry.entries("scenario_loader"):
-        try:
-            cls: type[ScenarioLoader] = registry.get("scenario_loader", entry.name)
-        except PluginError as error:
-            registry.report(str(error))
-            continue
-        if extension not in cls.extensions:
-            continue
+    for name, cls in _loaders_of(extension, registry):
         if head is None:
             try:
                 check_readable(path, _MOST_BYTES)
@@ -46,24 +39,27 @@ def find_scenario_loader(path: Path, registry: Registry) -> tuple[str, type[Scen
         try:
             is_its = cls.sniff(head)
         except RAISED as error:
-            registry.report(f"scenario loader {entry.name!r}: {cls.__name__}.sniff() raised {error_in_words(error)}")
+            registry.report(f"scenario loader {name!r}: {cls.__name__}.sniff() raised {error_in_words(error)}")
             continue
         if is_its:
-            return entry.name, cls
+            return name, cls
     return None
 
 
 def loaders_of_extension(path: Path, registry: Registry) -> list[str]:
     """The names of the loaders that read files of a file's extension, if they know their first bytes."""
-    found = []
+    return [name for name, _ in _loaders_of(path.suffix.lower(), registry)]
+
+
+def _loaders_of(extension: str, registry: Registry) -> Iterator[tuple[str, type[ScenarioLoader]]]:
     for entry in registry.entries("scenario_loader"):
         try:
             cls: type[ScenarioLoader] = registry.get("scenario_loader", entry.name)
-        except PluginError:  # reported by `find_scenario_loader`
+        except PluginError as error:
+            registry.report(str(error))
             continue
-        if path.suffix.lower() in cls.extensions:
-            found.append(entry.name)
-    return found
+        if extension in cls.extensions:
+            yield entry.name, cls
 
 
 def split_options(overrides: Iterable[str]) -> tuple[list[str], list[str]]:
