@@ -273,10 +273,10 @@ def test_transforms_that_browsers_take_are_taken(tmp_path: Path, transform: str)
 @pytest.mark.parametrize("numbers", ["1" * 200_000, "1.5" * 100_000, "1 " * 100_000, " " * 200_000, "+" * 200_000])
 def test_long_texts_take_no_time(tmp_path: Path, numbers: str) -> None:
     for shape in (f'<g transform="scale({numbers}?"/>', f'<rect width="{numbers}?"/>'):
-        before = time.perf_counter()
+        before = time.process_time()
         with pytest.raises(MapError, match=r"line 1: (g: transform|rect: width) is"):
             Svg().load(written(tmp_path, shape))
-        assert time.perf_counter() - before < 5.0
+        assert time.process_time() - before < 5.0
 
 
 def test_a_compressed_drawing_is_named_as_such(tmp_path: Path) -> None:
