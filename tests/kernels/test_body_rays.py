@@ -401,6 +401,24 @@ def test_a_single_beam_has_the_bits_of_a_scan(spread, buckets):
     assert seen > 100
 
 
+@pytest.mark.parametrize("spread", [1.0, 3.0, 40.0])
+@pytest.mark.parametrize("width", [0.02, 0.5, 3.0, math.pi, 3.3, 6.0])
+def test_a_cone_has_the_bits_of_its_beams(width, spread):
+    """Bodies aside of a cone are not looked at, from the wall on neither if the least of its beams counts."""
+    scene, rng = random_scene(11, count=40, spread=spread)
+    scan = fan(31, width, -0.5 * width)
+    origins = np.c_[rng.uniform(-spread, spread, (100, 2)), rng.uniform(-4, 4, 100)]
+    asked = {"own": rng.integers(-1, 40, 100), "walls": rng.uniform(0, 9, (100, 1)), "range_max": 4.0}
+    each = {name: value if name == "range_max" else np.repeat(value, 31, axis=0) for name, value in asked.items()}
+    alone, who = scene.cast(np.repeat(origins, 31, axis=0), np.tile(scan, 100)[:, None], **each, by=cast_beams)
+    ranges, hits = scene.cast(origins, scan, **asked)
+    np.testing.assert_array_equal(ranges, alone.reshape(100, 31))
+    np.testing.assert_array_equal(hits, who.reshape(100, 31))
+    least, _ = scene.cast(origins, scan, **asked, least=True)
+    np.testing.assert_array_equal(least, ranges.min(axis=1, keepdims=True))
+    assert (hits >= 0).any()
+
+
 def test_one_column_gets_the_least_of_all_beams():
     scene, rng = random_scene(9, count=12)
     origins = np.c_[rng.uniform(-5, 5, (40, 2)), rng.uniform(-4, 4, 40)]

@@ -47,6 +47,15 @@ class _Room(NamedTuple):
     box: Floats  # (4, _WIDE)
 
 
+class _Eye(NamedTuple):
+    """Where beams start [m], and the cosine and sine of what their bearings are measured from."""
+
+    x: float
+    y: float
+    cos: float
+    sin: float
+
+
 @part
 def _turn(cos: float, sin: float) -> float:
     """A number in [0, 4] that grows with the angle of (cos, sin) over [0, 2 pi): cheap, for ordering only."""
@@ -193,8 +202,24 @@ def _bounds(beams: Floats, ranges: Floats, limit: float, box: Floats) -> None:
 
 
 @part
-def _has_company(table: BodyHash, replica: int, own: int, x: float, y: float, reach: float, widest: float) -> bool:
-    """Whether any other body may come within `reach` [m] of a place: most rows of many replicas need no beams."""
+def _widest_of(cos_b: Floats, sin_b: Floats, row: int) -> tuple[float, float]:
+    """Cosine and sine >= 0 of the largest bearing to either side."""
+    widest = 0
+    for b in range(1, cos_b.shape[1]):
+        if cos_b[row, b] < cos_b[row, widest]:
+            widest = b
+    return cos_b[row, widest], abs(sin_b[row, widest])
+
+
+@part
+def _has_company(
+    table: BodyHash, replica: int, own: int, eye: _Eye, cos_w: float, sin_w: float, reach: float, widest: float
+) -> bool:
+    """Whether any other body may be within `reach` [m] of an eye, and no further aside than (cos_w, sin_w).
+
+    Most rows of many replicas, and most cones, need no beams.
+    """
+    x, y, cos_h, sin_h = eye
     slack = rounding_slack(abs(x) + abs(y))
     around = reach + widest * (1.0 + 1e-9) + slack
     row0, rows = window(y, around, table.side, table.rows)
@@ -205,8 +230,14 @@ def _has_company(table: BodyHash, replica: int, own: int, x: float, y: float, re
             away_x = table.disc[n, 0] - x
             away_y = table.disc[n, 1] - y
             # Larger than it needs to be by far more than rounding can matter.
-            far = (reach + table.disc[n, 2] + slack) * (1.0 + 1e-8)
-            if table.owner[n] != own and away_x * away_x + away_y * away_y <= far * far:
+            circle = (table.disc[n, 2] + slack) * (1.0 + 1e-8) + 1e-8 * (abs(away_x) + abs(away_y))
+            far = reach + circle
+            if table.owner[n] == own or away_x * away_x + away_y * away_y > far * far:
+                continue
+            # How far the centre is beyond the nearer edge, where that is less than a quarter turn aside.
+            ahead = cos_h * away_x + sin_h * away_y
+            aside = abs(cos_h * away_y - sin_h * away_x)
+            if cos_w <= 0.0 or aside * cos_w - ahead * sin_w <= circle:
                 return True
     return False
 
@@ -230,17 +261,22 @@ def _cast_rows(
     """`cast_bodies`, with room to work in."""
     edges, starts, beams, which, near, box = room
     in_order = False
+    cos_w, sin_w = -1.0, 0.0
     for i in range(out.shape[0]):
         beam_row = min(i, cos_b.shape[0] - 1)
         if beam_row == i:
             in_order = _order(cos_b, sin_b, beam_row, starts)
+            cos_w, sin_w = _widest_of(cos_b, sin_b, beam_row)
         limit = range_max[min(i, range_max.shape[0] - 1)]
         origin_x = origins[i, 0]
         origin_y = origins[i, 1]
-        if not _has_company(table, replica[i], own[i], origin_x, origin_y, limit, widest):
-            continue
+        # Where the least of the beams counts, nothing farther than what they met so far does.
+        reach = min(limit, out[i, 0]) if out.shape[1] == 1 else limit
         cos_h = math.cos(origins[i, 2])
         sin_h = math.sin(origins[i, 2])
+        eye = _Eye(origin_x, origin_y, cos_h, sin_h)
+        if not _has_company(table, replica[i], own[i], eye, cos_w, sin_w, reach, widest):
+            continue
         for b in range(beams.shape[1]):
             beams[DX, b] = cos_h * cos_b[beam_row, b] - sin_h * sin_b[beam_row, b]
             beams[DY, b] = sin_h * cos_b[beam_row, b] + cos_h * sin_b[beam_row, b]
