@@ -148,12 +148,7 @@ def angles_of(robot: RobotModel, encoder: str, measured: Array, joints: Array) -
     nobody knows what moved: nothing has, and the reading is the new reference.
     """
     sensor: Any = robot.sensors[encoder].sensor
-    after = sensor.angles(measured)
-    lacks = ~(np.abs(after) < _FAR)
-    if lacks.any():
-        after = np.where(lacks.any(axis=1, keepdims=True), joints, after)
-    before = np.where(np.isnan(joints), after, joints)  # the first reading is the reference of all others
-    leapt = np.abs(after - before) > _LEAP
-    if leapt.any():
-        before = np.where(leapt.any(axis=1, keepdims=True), after, before)
+    angles = np.ascontiguousarray(sensor.angles(measured))
+    before, after = np.empty(joints.shape), np.empty(joints.shape)
+    odometry.joints_between(joints, angles, _FAR, _LEAP, before, after)
     return before, after

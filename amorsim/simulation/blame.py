@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import math
 from collections.abc import Callable, Sequence
 from typing import Any, Concatenate, NoReturn, ParamSpec, Protocol, TypeVar
 
@@ -13,11 +12,11 @@ import numpy.typing as npt
 from amorsim.contracts import Controller
 from amorsim.core.errors import AmorsimError, ComponentError, ControllerError
 from amorsim.core.trouble import RAISED, error_in_words
+from amorsim.kernels.numbers import all_finite
 from amorsim.simulation.row_clock import RowClock
 
 __all__ = ["Whose", "array_problem", "is_finite", "of_drive"]
 
-_FEW = 16  # numbers
 _FLOAT = np.dtype(np.float64)
 _NAMED = 3  # robots in a message
 
@@ -119,10 +118,7 @@ def array_problem(array: Any, what: str, shape: tuple[int, ...], by: str = "") -
 
 def is_finite(array: npt.NDArray[np.float64]) -> bool:
     """Whether all numbers are finite."""
-    # For a few numbers, a plain sum is faster than a call of NumPy. A sum of finite numbers may still overflow.
-    if array.size <= _FEW and math.isfinite(sum(array.ravel().tolist())):
-        return True
-    return bool(np.isfinite(array).all())
+    return all_finite(np.asarray(array, dtype=np.float64).ravel())
 
 
 class _HasDrive(Protocol):

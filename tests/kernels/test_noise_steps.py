@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 import amorsim as am
 from amorsim.core.draws import Medians
 from amorsim.core.noise_steps import NoiseProgram, NoiseStep
-from amorsim.kernels.sensing.noise_steps import has_nan
 from tests.examples import settings
 
 COUNTER = np.array([[4, 1, 17], [5, 0, 18], [6, 2, 2**32 - 1]], dtype=np.uint32)
@@ -94,13 +93,3 @@ def test_parameters_may_differ_from_row_to_row() -> None:
     factor = np.array([[1.0], [2.0], [-3.0]])
     program = NoiseProgram([2], [[(NoiseStep.multiply(factor), draws(0))]])
     np.testing.assert_array_equal(program.apply(np.ones(2 * ROWS)), [1.0, 1.0, 2.0, 2.0, -3.0, -3.0])
-
-
-def test_nan_is_found_wherever_it_is() -> None:
-    values = np.array([1.0, math.inf, -math.inf, 0.0])
-    assert not has_nan(values)
-    for place in range(4):
-        holed = values.copy()
-        holed[place] = math.nan
-        assert has_nan(holed)
-    assert not has_nan(np.zeros(0))

@@ -12,7 +12,7 @@ from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.kinematics.actuation import respond
 from amorsim.kernels.kinematics.poses import compose
 
-__all__ = ["drive_wheels", "reckon", "wheel_jacobian", "wheel_rates", "wheel_twists"]
+__all__ = ["drive_wheels", "joints_between", "reckon", "wheel_jacobian", "wheel_rates", "wheel_twists"]
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -56,6 +56,27 @@ def drive_wheels(
             rate, turned = respond(rates[i, j], target, acceleration_max[i, 0], lag[i, 0], dt)
             out[0, i, j] = joints[i, j] + turned
             out[1, i, j] = rate
+
+
+@kernel
+def joints_between(last: Floats, angles: Floats, far: float, leap: float, before: Floats, after: Floats) -> None:
+    """Angles of joints [rad] at the last reading and at this one, into `before` and `after` (N, j).
+
+    `last` (N, j) is nan before the first reading, which is then the reference of all others. Where any of the new
+    `angles` (N, j) of a row is not within `far`, the row's joints stand; where one is more than `leap` from the last,
+    they have not moved from the new ones.
+    """
+    for i in range(last.shape[0]):
+        counts = True
+        for j in range(last.shape[1]):
+            counts &= abs(angles[i, j]) < far
+        leapt = False
+        for j in range(last.shape[1]):
+            after[i, j] = angles[i, j] if counts else last[i, j]
+            before[i, j] = after[i, j] if math.isnan(last[i, j]) else last[i, j]
+            leapt |= abs(after[i, j] - before[i, j]) > leap
+        if leapt:
+            before[i] = after[i]
 
 
 @kernel

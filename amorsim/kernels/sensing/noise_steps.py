@@ -22,7 +22,6 @@ __all__ = [
     "ROUND",
     "SCATTER",
     "Program",
-    "has_nan",
     "take_steps",
 ]
 
@@ -48,15 +47,6 @@ class Program(NamedTuple):
     """(S, N): of the draws of each step."""
     counter: NDArray[np.uint32]
     """(N, 3): replica, episode and tick of each row."""
-
-
-@kernel
-def has_nan(values: Floats) -> bool:
-    """Whether any of the numbers (V,) is nan."""
-    found = False
-    for value in values:
-        found |= math.isnan(value)
-    return found
 
 
 @part

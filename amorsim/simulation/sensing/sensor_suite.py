@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.noise_steps import NoiseProgram
-from amorsim.kernels.sensing.noise_steps import has_nan
+from amorsim.kernels.numbers import has_nan
 from amorsim.simulation.row_clock import RowClock
 from amorsim.simulation.sensing.sensor_unit import Sample, SensorUnit
 from amorsim.simulation.world.sensor_view import GroupView
