@@ -114,14 +114,31 @@ class View(Protocol):
         """True pose `(N, 3)` of the sensor's mount in the world; for a motion, of the body."""
 
     def cast(
-        self, origins: Array, bearings: Array, range_max: Array, traversal: str = "exact", bodies: bool = True
+        self,
+        origins: Array,
+        bearings: Array,
+        range_max: Array,
+        traversal: str = "exact",
+        bodies: bool = True,
+        row: npt.NDArray[np.int64] | None = None,
     ) -> Array:
-        """Distances [m] `(N * m, k)` to the nearest wall or other body along beams from `origins`, inf for none.
+        """Distances [m] `(M, k)` to the nearest wall or other body along beams from `origins` `(M, 3)`, inf for none.
 
-        A robot sees neither itself nor its own parts. `origins` `(N * m, 3)` are world poses, m for each row in turn.
-        `bearings` `(1, k)` or `(N * m, k)` are relative to them. `range_max` is `(N, 1)`, or `(N * m, 1)` for each
-        origin. With `traversal` ``"bresenham"``, walls are searched along the cells of Bresenham's line, as in the
-        original AMORsim, and distances are between the centres of cells. Without `bodies`, only walls count.
+        Parameters
+        ----------
+        origins
+            World poses, M / N for each row in turn.
+        bearings
+            `(1, k)` or `(M, k)` [rad] from the origins' headings.
+        range_max
+            `(N, 1)`, or `(M, 1)` for each origin [m].
+        traversal
+            With ``"bresenham"``, walls are searched along the cells of Bresenham's line, as in the original AMORsim,
+            and distances are between the centres of cells.
+        bodies
+            Without them, only walls count. A robot sees neither itself nor its own parts.
+        row
+            The row `(M,)` of each origin, if rows have different numbers of them; `range_max` is `(M, 1)` then.
         """
 
     def cone(self, origins: Array, half_angle: Array, range_max: Array, traversal: str = "exact") -> Array:
@@ -180,18 +197,29 @@ class View(Protocol):
         """The height [m] of each thing `(B + L,)`, in the order of `colours`."""
 
     def look(
-        self, origins: Array, bearings: Array, range_max: Array, landmarks: bool = True
+        self,
+        origins: Array,
+        bearings: Array,
+        range_max: Array,
+        landmarks: bool = True,
+        row: npt.NDArray[np.int64] | None = None,
     ) -> tuple[Array, npt.NDArray[np.int64]]:
-        """Distances [m] `(N * m, k)` as from `cast`, and the thing that each beam hits first: -1 for a wall or nothing.
+        """Distances [m] `(M, k)` as from `cast`, and the thing that each beam hits first: -1 for a wall or nothing.
 
-        `range_max` is as in `cast`. Things are the bodies of the replica, in order, then those landmarks that have a
-        colour and a size. Without `landmarks`, things are bodies only, and the distances are those of `cast`.
+        `range_max` and `row` are as in `cast`. Things are the bodies of the replica, in order, then those landmarks
+        that have a colour and a size. Without `landmarks`, things are bodies only, and the distances those of `cast`.
         """
 
-    def normals(self, origins: Array, bearings: Array, bodies: npt.NDArray[np.int64]) -> Array:
-        """Directions [rad] `(N * m, k)` in the world of the outward normals where beams enter bodies; nan elsewhere.
+    def normals(
+        self,
+        origins: Array,
+        bearings: Array,
+        bodies: npt.NDArray[np.int64],
+        row: npt.NDArray[np.int64] | None = None,
+    ) -> Array:
+        """Directions [rad] `(M, k)` in the world of the outward normals where beams enter bodies; nan elsewhere.
 
-        `bodies` `(N * m, k)` comes from `look` for the same beams, without landmarks.
+        `bodies` `(M, k)` comes from `look` for the same beams, without landmarks; `row` is as there.
         """
 
     def touches(self, zones: Sequence[Shape], which: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:

@@ -67,41 +67,31 @@ def hear(
     rows, k = listens.shape
     facing = _room(rows, k, emitters.time.shape[1])
     look = np.empty(len(receivers), dtype=np.int64)
-    looks = earshot.face(listeners, emitters, _FAN, SOUND, facing, look)
+    earshot.face(listeners, emitters, _FAN, SOUND, facing, look)
     if facing.is_done.all():
         return heard
-    surfaces = _surfaces(view, listeners, facing, look, looks)
+    surfaces = _surfaces(view, listeners, facing, look)
     sounds = _sounds(listeners, emitters, facing, surfaces)
     begin = sounds.first[:-1].copy()
     # Try sounds in order of arrival until each listener has one that nothing blocks.
     for batch in itertools.chain(_BATCHES, itertools.repeat(_BATCHES[-1])):
-        wanted = acoustics.lines_wanted(sounds, begin, batch, facing.is_done, k)
+        wanted = acoustics.lines_wanted(sounds, begin, batch, facing.is_done)
         if not wanted:
             break
-        lines = _lines(rows * wanted)
+        lines = _lines(wanted)
         acoustics.lay_lines(listeners, emitters, facing, surfaces, sounds, begin, batch, _OFF, lines)
-        lines.poses[:, 2] = np.arctan2(lines.ahead[:, 1], lines.ahead[:, 0])
-        length = np.hypot(lines.ahead[:, :1], lines.ahead[:, 1:])
-        reach, met = view.look(lines.poses, _AHEAD, length * _BEYOND + _OFF, landmarks=False)
-        met = _owners(view, met)
-        acoustics.take_free(sounds, begin, batch, lines, reach, met, facing.is_done, heard)
+        acoustics.take_free(sounds, begin, batch, _are_free(view, lines), facing.is_done, heard)
     return heard
 
 
-def _surfaces(
-    view: View, listeners: acoustics.Listeners, facing: acoustics.Facing, look: Ints, looks: int
-) -> acoustics.Surfaces:
-    """End points of the rays of cones that may carry a sound, in `looks` looks of each row."""
-    count = len(listeners.listens) * looks
-    half, limit = listeners.cones[:, :1], np.empty((count, 1))
-    bearings = half[:1] * _FAN if (half == half[0]).all() else np.repeat(half, looks, axis=0) * _FAN
-    nowhere = np.empty((count, len(_FAN))), np.empty((count, len(_FAN)), dtype=np.int64)
-    surfaces = acoustics.Surfaces(np.empty((count, 3)), bearings, *nowhere, look)
-    if not looks:
-        return surfaces
-    earshot.lay_looks(listeners, facing, surfaces, limit)
-    ranges, met = view.look(surfaces.poses, bearings, limit, landmarks=False)
-    return surfaces._replace(ranges=ranges, owner=_owners(view, met))
+def _surfaces(view: View, listeners: acoustics.Listeners, facing: acoustics.Facing, look: Ints) -> acoustics.Surfaces:
+    """Where the rays of cones end that may carry a sound: of listeners with a `look` `(M,)`."""
+    which = np.flatnonzero(look >= 0)
+    row = which // listeners.listens.shape[1]
+    half = listeners.cones[:, :1]
+    bearings = half[:1] * _FAN if (half == half[0]).all() else half[row] * _FAN
+    ranges, met = view.look(listeners.poses[which], bearings, facing.limit[which, 1:], landmarks=False, row=row)
+    return acoustics.Surfaces(bearings, ranges, _owners(view, met), look)
 
 
 def _sounds(
@@ -119,6 +109,23 @@ def _sounds(
         if count <= room:
             return sounds
         room = count
+
+
+def _are_free(view: View, lines: acoustics.Lines) -> npt.NDArray[np.bool_]:
+    """Which lines `(P,)` no wall and no body blocks but the emitter's carrier.
+
+    Bodies are compared by number, not by place: an emitter at the rim of its carrier is as far away as the rim, up to
+    rounding.
+    """
+    lines.poses[:, 2] = np.arctan2(lines.ahead[:, 1], lines.ahead[:, 0])
+    length = np.hypot(lines.ahead[:, :1], lines.ahead[:, 1:])
+    limit = length * _BEYOND + _OFF
+    is_free = view.cast(lines.poses, _AHEAD, limit, bodies=False, row=lines.row) >= length
+    # In a building walls block most lines; bodies are looked for along the others only.
+    which = np.flatnonzero(is_free)
+    reach, met = view.look(lines.poses[which], _AHEAD, limit[which], landmarks=False, row=lines.row[which])
+    is_free[which] = (reach >= length[which]) | (_owners(view, met) == lines.carrier[which, None])
+    return is_free[:, 0]
 
 
 def _owners(view: View, met: Ints) -> Ints:
@@ -139,4 +146,5 @@ def _room(rows: int, k: int, emitters: int) -> acoustics.Facing:
 
 
 def _lines(count: int) -> acoustics.Lines:
-    return acoustics.Lines(np.empty((count, 3)), np.empty((count, 2)), np.empty(count, dtype=np.int64))
+    whole = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
+    return acoustics.Lines(whole[0], np.empty((count, 3)), np.empty((count, 2)), whole[1])

@@ -64,56 +64,41 @@ def nearest_incidence(view: View, origins: Array, half_angle: Array, range_max: 
     bearing, nearest = (of.reshape(-1, 1) for of in view.nearest_wall(origins, half_angle, range_max, _WALL_RAYS))
     found = _wall_incidence(view, origins, bearing, nearest, range_max)
     which = _near_bodies(view, origins, half_angle, range_max, nearest)
-    if which is not None:
-        of_bodies, reach = _nearest_bodies(view, origins[which], half_angle, range_max)
+    if len(which):
+        row = which // per_row
+        of_bodies, reach = _nearest_bodies(view, origins[which], half_angle[row], range_max[row], row)
         found[which] = np.where(reach < nearest[which], of_bodies, found[which])
     return found.reshape(view.rows, per_row)
 
 
-def _near_bodies(view: View, origins: Array, half_angle: Array, range_max: Array, nearest: Array) -> Ints | None:
-    """Indices `(N * p,)` of cones, p per row, that may meet a body nearer than walls; None for none.
-
-    Rows with fewer such cones are filled up with other cones of the row.
-    """
+def _near_bodies(view: View, origins: Array, half_angle: Array, range_max: Array, nearest: Array) -> Ints:
+    """Indices `(P,)` of cones that may meet a body nearer than walls."""
     bodies = view.bodies()
-    if len(bodies.reach) < 2:
-        return None
     might = np.empty(len(origins), dtype=np.bool_)
     wider = half_angle * (1.0 + _BODY_STEP)  # the outermost rays go beyond the edge by this step
     slopes.bodies_in_cones(
         origins, wider, nearest, range_max, bodies.poses, bodies.reach, bodies.owner, bodies.own, might
     )
-    by_row = might.reshape(view.rows, -1)
-    most = int(by_row.sum(axis=1).max())
-    if not most:
-        return None
-    order = np.argsort(~by_row, axis=1, kind="stable")[:, :most]
-    return np.asarray(order + by_row.shape[1] * np.arange(view.rows)[:, None]).reshape(-1)
+    return np.flatnonzero(might)
 
 
-def _nearest_bodies(view: View, origins: Array, half_angle: Array, range_max: Array) -> tuple[Array, Array]:
-    """Angles of incidence [rad] `(M, 1)` on the nearest body in each cone, and its range [m], inf for none."""
-    per_row = len(origins) // view.rows
-    half = np.repeat(half_angle, per_row, axis=0)
+def _nearest_bodies(view: View, origins: Array, half: Array, range_max: Array, row: Ints) -> tuple[Array, Array]:
+    """Angles of incidence [rad] `(M, 1)` on the nearest body in each cone, and its range [m], inf for none.
+
+    Of each cone, half the angle [rad] and the longest range [m] `(M, 1)`, and the row `(M,)`.
+    """
     # First the ray with the nearest body. Then finer rays around it: a thin post's normal changes much between rays.
-    rays = _spread(half_angle, per_row, _BODY_FAN)
-    aside, _ = _nearest_body(view, origins, rays, range_max)
-    aside, reach = _nearest_body(view, origins, aside + half * _BODY_STEP * _CLOSER_FAN, range_max)
-    _, body = view.look(origins, aside, range_max, landmarks=False)
-    return _body_incidence(view, origins, aside, body), reach
+    rays = (half[:1] if (half == half[0]).all() else half) * _BODY_FAN
+    aside, _ = _nearest_body(view, origins, rays, range_max, row)
+    aside, reach = _nearest_body(view, origins, aside + half * _BODY_STEP * _CLOSER_FAN, range_max, row)
+    _, body = view.look(origins, aside, range_max, landmarks=False, row=row)
+    return _body_incidence(view, origins, aside, body, row), reach
 
 
-def _nearest_body(view: View, origins: Array, rays: Array, range_max: Array) -> tuple[Array, Array]:
+def _nearest_body(view: View, origins: Array, rays: Array, range_max: Array, row: Ints) -> tuple[Array, Array]:
     """Bearing and range `(M, 1)` of the nearest body on any of the rays `(1 or M, k)`."""
-    ranges, body = view.look(origins, rays, range_max, landmarks=False)
+    ranges, body = view.look(origins, rays, range_max, landmarks=False, row=row)
     return _nearest(rays, np.where(body >= 0, ranges, np.inf))
-
-
-def _spread(half_angle: Array, per_row: int, fan: Array) -> Array:
-    """Bearings of a fan's rays `(N * m, k)`; `(1, k)` where all rows have the same."""
-    if (half_angle == half_angle[0]).all():
-        return half_angle[:1] * fan
-    return np.repeat(half_angle, per_row, axis=0) * fan
 
 
 def _nearest(bearings: Array, ranges: Array) -> tuple[Array, Array]:
@@ -123,9 +108,9 @@ def _nearest(bearings: Array, ranges: Array) -> tuple[Array, Array]:
     return bearing, nearest
 
 
-def _body_incidence(view: View, origins: Array, bearings: Array, body: Ints) -> Array:
+def _body_incidence(view: View, origins: Array, bearings: Array, body: Ints, row: Ints | None = None) -> Array:
     """Angles [rad] `(M, k)` between beams and the normals of the bodies that they enter; 0 where there is none."""
-    normal = view.normals(origins, bearings, body)
+    normal = view.normals(origins, bearings, body, row)
     between = np.abs(wrap_angle(normal - (origins[:, 2:] + bearings) - np.pi))
     return np.where(np.isnan(normal), 0.0, np.minimum(between, np.pi / 2.0))
 

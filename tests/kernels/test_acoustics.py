@@ -79,7 +79,7 @@ def some_case(seed, rows=3, each=4, count=5, fan=7, late=0.002):
 def laid(case):
     """What kernels take of a case: listeners, emitters, who faces whom, and the surfaces that their looks meet."""
     rows, each = case["listens"].shape
-    m, f = case["ranges"].shape
+    m = len(case["ranges"])
     cones = np.stack((case["half"], np.full(rows, case["least"]), np.full(rows, case["most"])), axis=1)
     listeners = acoustics.Listeners(case["poses"], case["listens"], cones)
     emitters = acoustics.Emitters(
@@ -94,25 +94,12 @@ def laid(case):
     )
     look = np.empty(m, dtype=np.int64)
     looks = earshot.face(listeners, emitters, case["fan"], SPEED, facing, look)
-    of_row = look.copy()
-    surfaces = acoustics.Surfaces(
-        np.empty((rows * looks, 3)),
-        np.repeat(case["half"], looks)[:, None] * case["fan"],
-        np.full((rows * looks, f), np.inf),
-        np.full((rows * looks, f), -1, dtype=np.int64),
-        look,
-    )
-    limit = np.empty((rows * looks, 1))
-    earshot.lay_looks(listeners, facing, surfaces, limit)
-    assert (limit[np.setdiff1d(np.arange(rows * looks), look)] == 0.0).all()
-    for i in np.flatnonzero(look >= 0):
-        assert look[i] == i // each * looks + of_row[i]
-        assert (surfaces.poses[look[i]] == case["poses"][i]).all()
-        # As a look casts them: nothing beyond its limit.
-        ranges = case["ranges"][i]
-        surfaces.ranges[look[i]] = np.where(ranges <= limit[look[i], 0], ranges, np.inf)
-        surfaces.owner[look[i]] = case["surface"][i]
-    return listeners, emitters, facing, surfaces
+    which = np.flatnonzero(look >= 0)
+    assert look[which].tolist() == list(range(looks))
+    # As a look casts them: nothing beyond its limit.
+    ranges = np.where(case["ranges"] <= facing.limit[:, 1:], case["ranges"], np.inf)
+    bearings = case["half"][which // each, None] * case["fan"]
+    return listeners, emitters, facing, acoustics.Surfaces(bearings, ranges[which], case["surface"][which], look)
 
 
 def sounds_of(case, room=1000):
@@ -182,17 +169,14 @@ def test_the_first_free_sound_is_heard():
         np.array([0, 2, 4, 7]), np.array([1.0, 2.0, 1.5, 2.5, 0.5, 0.7, 0.8]), np.array([3, 5, 4, 6, 2, 7, 8])
     )
     begin, is_done, heard = np.array([0, 2, 4]), np.zeros(3, dtype=np.bool_), np.full((1, 3), np.inf)
-    assert acoustics.lines_wanted(sounds, begin, 2, is_done, 3) == 6
-    lines = acoustics.Lines(np.zeros((6, 3)), np.tile((3.0, 4.0), (6, 1)), np.array([0, 1, 2, 0, 1, 2]))
-    reach = np.array([[5.0], [np.inf], [4.9], [4.9], [4.9], [4.9]])
-    met = np.array([[-1], [-1], [0], [0], [0], [-1]])
-    acoustics.take_free(sounds, begin, 2, lines, reach, met, is_done, heard)
-    assert heard.tolist() == [[1.0, 2.5, np.inf]]  # the second meets but what carries its emitter
+    assert acoustics.lines_wanted(sounds, begin, 2, is_done) == 6
+    acoustics.take_free(sounds, begin, 2, np.array([True, True, False, True, False, False]), is_done, heard)
+    assert heard.tolist() == [[1.0, 2.5, np.inf]]
     assert is_done.tolist() == [True, True, False]
     assert begin[2] == 6
-    assert acoustics.lines_wanted(sounds, begin, 2, is_done, 3) == 1
+    assert acoustics.lines_wanted(sounds, begin, 2, is_done) == 1
     begin[2] = 7
-    assert acoustics.lines_wanted(sounds, begin, 2, is_done, 3) == 0
+    assert acoustics.lines_wanted(sounds, begin, 2, is_done) == 0
     assert is_done.all()
 
 
@@ -203,14 +187,12 @@ def test_lines_begin_before_the_surface_and_end_at_the_emitter(batch):
     off, rows = 0.01, len(case["half"])
     begin = sounds.first[:-1].copy()
     begin[0] += 1
-    each = acoustics.lines_wanted(sounds, begin, batch, facing.is_done, case["each"])
-    lines = acoustics.Lines(
-        np.empty((rows * each, 3)), np.empty((rows * each, 2)), np.empty(rows * each, dtype=np.int64)
-    )
+    count = acoustics.lines_wanted(sounds, begin, batch, facing.is_done)
+    row, carrier = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
+    lines = acoustics.Lines(row, np.empty((count, 3)), np.empty((count, 2)), carrier)
     acoustics.lay_lines(listeners, emitters, facing, surfaces, sounds, begin, batch, off, lines)
-    used = []
+    at = 0
     for n in range(rows):
-        at = n * each
         for i in range(n * case["each"], (n + 1) * case["each"]):
             for number in sounds.number[begin[i] : min(begin[i] + batch, sounds.first[i + 1])]:
                 emitter, way_of = divmod(int(number), len(case["fan"]) + 1)
@@ -223,7 +205,6 @@ def test_lines_begin_before_the_surface_and_end_at_the_emitter(batch):
                     case["emitters"][n, emitter, :2], abs=1e-12
                 )
                 assert lines.carrier[at] == case["body"][n, emitter]
+                assert lines.row[at] == n
                 at += 1
-        used.append(at - n * each)
-        assert (lines.carrier[at : (n + 1) * each] == -1).all()
-    assert max(used) == each
+    assert at == count

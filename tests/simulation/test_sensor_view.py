@@ -30,6 +30,7 @@ class Asks(am.Sensor):
 
 AHEAD = np.zeros((1, 1))
 FAR = np.array([[5.0]])
+NOBODY = np.full((1, 1), -1, dtype=np.int64)
 
 
 def look(ask: Callable[[Any, Any], Any]) -> am.Simulation:
@@ -46,6 +47,26 @@ def look(ask: Callable[[Any, Any], Any]) -> am.Simulation:
         (lambda view, aim: view.cast(view.pose, [0.0], FAR), r"view\.cast: bearings: .* \[rad\], got \[0\.0\]"),
         (lambda view, aim: view.cast(view.pose, np.zeros(3), FAR), r"bearings: .* got an array of shape \(3,\)"),
         (lambda view, aim: view.cast(view.pose, np.zeros((2, 3)), FAR), r"bearings: expected an array \(1, k\) or"),
+        (lambda view, aim: view.look(aim, AHEAD, FAR), r"view\.look: origins: expected poses in the world, an array"),
+        (lambda view, aim: view.look(view.pose, [0.0], FAR), r"view\.look: bearings: .* \[rad\], got \[0\.0\]"),
+        (lambda view, aim: view.normals(aim, AHEAD, NOBODY), r"view\.normals: origins: expected poses in the world"),
+        (
+            lambda view, aim: view.cast(view.pose, AHEAD, FAR, row=[0]),
+            r"view\.cast: row: .* array \(1,\) of numbers from",
+        ),
+        (
+            lambda view, aim: view.look(view.pose, AHEAD, FAR, row=np.array([1])),
+            r"view\.look: row: .* from 0 to 0, got",
+        ),
+        (
+            lambda view, aim: view.look(view.pose, AHEAD, FAR, row=np.array([-1])),
+            r"view\.look: row: expected the row of",
+        ),
+        (lambda view, aim: view.look(view.pose, AHEAD, FAR, row=np.array([0, 0])), r"got an array of shape \(2,\)"),
+        (
+            lambda view, aim: view.look(view.pose, AHEAD, 5.0, row=np.array([0])),
+            r"range_max: .* \(1, 1\) \[m\], one for",
+        ),
         (lambda view, aim: view.floor(np.zeros((1, 2))), r"view\.floor: places: .* array \(1, k, 2\) \[m\], got an"),
         (lambda view, aim: view.floor(view.pose[:, None]), r"got an array of shape \(1, 1, 3\)"),
         (lambda view, aim: view.cone((0.0, 0.0, 0.0), 0.1, FAR), r"view\.cone: origins: .* got \(0\.0, 0\.0, 0\.0\)"),
@@ -80,6 +101,48 @@ def test_a_limit_for_each_origin_cuts_that_origins_beams_only() -> None:
         return far[:1]
 
     look(ask)
+
+
+def test_as_many_places_for_each_row() -> None:
+    scenario = building.scenario(
+        building.robot(
+            sensors={
+                "encoder": building.encoder(),
+                "asks": Asks(ask=lambda view, aim: view.cast(np.repeat(view.pose, 3, axis=0)[:4], AHEAD, FAR)),
+            }
+        )
+    )
+    with pytest.raises(am.ComponentError, match=r"as many for each of 3 rows, got 4; `row` says which is whose"):
+        am.Simulation(scenario, replicas=3)
+
+
+def test_rows_may_look_from_different_numbers_of_places() -> None:
+    """Two of one row, none of the next and three of the last, which read as when each row has as many."""
+
+    def ask(view: Any, aim: Any) -> Any:
+        origins = np.repeat(view.pose, 3, axis=0)
+        origins[:, 2] += np.arange(9)
+        fan, limits = np.linspace(-0.5, 0.5, 41)[None, :], np.linspace(3.0, 9.0, 9)[:, None]
+        some = np.array([0, 2, 6, 7, 8])
+        given = origins[some], fan, limits[some]
+        row = some // 3
+        every, bodies = view.look(origins, fan, limits)
+        ranges, met = view.look(*given, row=row)
+        np.testing.assert_array_equal(ranges, every[some])
+        np.testing.assert_array_equal(met, bodies[some])
+        np.testing.assert_array_equal(view.cast(*given, row=row), every[some])
+        normals = view.normals(origins, np.repeat(fan, 9, axis=0), bodies)
+        np.testing.assert_array_equal(view.normals(origins[some], np.repeat(fan, 5, axis=0), met, row), normals[some])
+        none = np.zeros(0, dtype=np.int64)
+        assert view.look(origins[none], fan, limits[none], row=none)[0].shape == (0, 41)
+        assert (met >= 0).any()
+        return every[::3, :1]
+
+    sensors = {"encoder": building.encoder(), "asks": Asks(ask=ask)}
+    robot = building.robot(sensors=sensors, pose=am.Pose(x=1.0, y=1.0))
+    post = am.Obstacle(name="post", shape=am.Shape.circle(0.4), pose=am.Pose(x=2.5, y=1.0))
+    scenario = attrs.evolve(building.scenario(robot, map=building.room(10.0, 10.0)), obstacles=[post])
+    am.Simulation(scenario, replicas=3).step()
 
 
 def test_cones_of_different_widths_are_those_of_their_rays() -> None:

@@ -85,16 +85,14 @@ class Facing(NamedTuple):
 
 
 class Surfaces(NamedTuple):
-    """Where the rays of cones end, f of each look; a row has as many looks as the one that needs most."""
+    """Where the rays of cones end, f of each of L looks; looks are in order of listener."""
 
-    poses: Floats
-    """(N * l, 3): where looks are from and to."""
     bearings: Floats
-    """(1 or N * l, f): of the rays, from the look's heading [rad]."""
+    """(1 or L, f): of the rays, from the listener's heading [rad]."""
     ranges: Floats
-    """(N * l, f) [m]; inf for nowhere."""
+    """(L, f) [m]; inf for nowhere."""
     owner: Ints
-    """(N * l, f): the body hit, for a robot's part the body of its robot; -1 for a wall or nothing."""
+    """(L, f): the body hit, for a robot's part the body of its robot; -1 for a wall or nothing."""
     look: Ints
     """(M,): the look of each listener; -1 for none."""
 
@@ -111,14 +109,16 @@ class Sounds(NamedTuple):
 
 
 class Lines(NamedTuple):
-    """Lines from where sounds came from to their emitters: p for each row in turn."""
+    """P lines from where sounds came from to their emitters, in order of listener."""
 
+    row: Ints
+    """(P,): the row that hears it."""
     poses: Floats
-    """(N * p, 3): where each begins; the heading is to be filled in."""
+    """(P, 3): where each begins; the heading is to be filled in."""
     ahead: Floats
-    """(N * p, 2): from there to the emitter [m]."""
+    """(P, 2): from there to the emitter [m]."""
     carrier: Ints
-    """(N * p,): the body that carries the emitter."""
+    """(P,): the body that carries the emitter."""
 
 
 @part
@@ -240,23 +240,19 @@ def sounds_in_order(
 
 
 @kernel
-def lines_wanted(sounds: Sounds, begin: Ints, batch: int, is_done: Bools, each: int) -> int:
-    """Most lines of any row, of `each` listeners, for the next `batch` sounds of those that are not done.
+def lines_wanted(sounds: Sounds, begin: Ints, batch: int, is_done: Bools) -> int:
+    """The number P of lines for the next `batch` sounds of those that are not done.
 
     `begin` (M,) is the first of these sounds. Listeners that have none left are done from now on.
     """
-    most = 0
     count = 0
     for m in range(begin.shape[0]):
-        if m % each == 0:
-            count = 0
         left = sounds.first[m + 1] - begin[m]
         if left <= 0:
             is_done[m] = True
         if not is_done[m]:
             count += min(left, batch)
-        most = max(most, count)
-    return most
+    return count
 
 
 @kernel
@@ -271,66 +267,51 @@ def lay_lines(
     off: float,
     lines: Lines,
 ) -> None:
-    """Lay the lines from where sounds came from to their emitters, each row's in order of listener and sound.
+    """Lay the lines from where sounds came from to their emitters, in order of listener and sound.
 
     They are the next `batch` sounds of each listener that is not done, from number `begin` (M,) on. A line begins so
     far `off` [m] the surface, towards the listener: one that starts within a cell that is occupied meets it at once.
-    Rows with fewer sounds get lines of no length besides.
     """
-    rows, k = listeners.listens.shape
+    k = listeners.listens.shape[1]
     ways = surfaces.ranges.shape[1] + 1
-    each = lines.poses.shape[0] // rows
-    for n in range(rows):
-        at = n * each
-        for m in range(n * k, n * k + k):
-            if facing.is_done[m]:
-                continue
-            x, y = listeners.poses[m, 0], listeners.poses[m, 1]
-            for s in range(begin[m], min(begin[m] + batch, sounds.first[m + 1])):
-                i, way_of = divmod(sounds.number[s], ways)
-                px, py = x, y
-                if way_of != DIRECT:
-                    px, py = _end_of(listeners, surfaces, m, way_of - 1)
-                back_x, back_y = x - px, y - py
-                way = math.sqrt(back_x * back_x + back_y * back_y)
-                part_of = min(off / (way if way > 0.0 else 1.0), 1.0)
-                px, py = px + back_x * part_of, py + back_y * part_of
-                lines.poses[at, 0], lines.poses[at, 1] = px, py
-                lines.ahead[at, 0] = emitters.poses[n, i, 0] - px
-                lines.ahead[at, 1] = emitters.poses[n, i, 1] - py
-                lines.carrier[at] = emitters.body[n, i]
-                at += 1
-        for rest in range(at, n * each + each):
-            lines.poses[rest, 0], lines.poses[rest, 1] = listeners.poses[n * k, 0], listeners.poses[n * k, 1]
-            lines.ahead[rest] = 0.0
-            lines.carrier[rest] = -1
+    at = 0
+    for m in range(listeners.poses.shape[0]):
+        if facing.is_done[m]:
+            continue
+        n = m // k
+        x, y = listeners.poses[m, 0], listeners.poses[m, 1]
+        for s in range(begin[m], min(begin[m] + batch, sounds.first[m + 1])):
+            i, way_of = divmod(sounds.number[s], ways)
+            px, py = x, y
+            if way_of != DIRECT:
+                px, py = _end_of(listeners, surfaces, m, way_of - 1)
+            back_x, back_y = x - px, y - py
+            way = math.sqrt(back_x * back_x + back_y * back_y)
+            part_of = min(off / (way if way > 0.0 else 1.0), 1.0)
+            px, py = px + back_x * part_of, py + back_y * part_of
+            lines.row[at] = n
+            lines.poses[at, 0], lines.poses[at, 1] = px, py
+            lines.ahead[at, 0] = emitters.poses[n, i, 0] - px
+            lines.ahead[at, 1] = emitters.poses[n, i, 1] - py
+            lines.carrier[at] = emitters.body[n, i]
+            at += 1
 
 
 @kernel
-def take_free(
-    sounds: Sounds, begin: Ints, batch: int, lines: Lines, reach: Floats, met: Ints, is_done: Bools, heard: Floats
-) -> None:
+def take_free(sounds: Sounds, begin: Ints, batch: int, is_free: Bools, is_done: Bools, heard: Floats) -> None:
     """Let each listener hear the first of its next `batch` sounds whose line is free, and count them in `begin` (M,).
 
-    `reach` (N * p, 1) is how far [m] the lines are free, `met` (N * p, 1) the body that ends them, -1 for none. A line
-    is free if it hits nothing, or the emitter's carrier. Bodies are compared by number, not by place: an emitter at the
-    rim of its carrier is as far away as the rim, up to rounding. `heard` (N, k) [m] gets the reading. Listeners that
-    heard a sound are done.
+    `is_free` (P,) says which lines are. `heard` (N, k) [m] gets the reading. Listeners that heard a sound are done.
     """
-    rows, k = heard.shape
-    each = lines.poses.shape[0] // rows
-    for n in range(rows):
-        at = n * each
-        for j in range(k):
-            m = n * k + j
-            if is_done[m]:
-                continue
-            end = min(begin[m] + batch, sounds.first[m + 1])
-            for s in range(begin[m], end):
-                x, y = lines.ahead[at, 0], lines.ahead[at, 1]
-                free = reach[at, 0] >= math.sqrt(x * x + y * y) or met[at, 0] == lines.carrier[at]
-                at += 1
-                if free and not is_done[m]:
-                    heard[n, j] = sounds.reading[s]
-                    is_done[m] = True
-            begin[m] = end
+    k = heard.shape[1]
+    at = 0
+    for m in range(begin.shape[0]):
+        if is_done[m]:
+            continue
+        end = min(begin[m] + batch, sounds.first[m + 1])
+        for s in range(begin[m], end):
+            if is_free[at] and not is_done[m]:
+                heard[m // k, m % k] = sounds.reading[s]
+                is_done[m] = True
+            at += 1
+        begin[m] = end

@@ -14,9 +14,9 @@ import numpy.typing as npt
 
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.raycast.rays import direction
-from amorsim.kernels.sensing.acoustics import SLACK, Emitters, Facing, Listeners, Surfaces
+from amorsim.kernels.sensing.acoustics import SLACK, Emitters, Facing, Listeners
 
-__all__ = ["face", "lay_looks"]
+__all__ = ["face"]
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -117,12 +117,12 @@ def face(listeners: Listeners, emitters: Emitters, fan: Floats, speed: float, fa
     """Find the emitters that listeners may hear, the cones that may carry a sound, and the listeners that hear none.
 
     A cone is left out only if no sound via the end of any of its rays could count. `fan` (f,) gives a cone's rays in
-    fractions of half its angle, `speed` is that of sound [m/s]. `look` (M,) gets the number of each cone among those of
-    its row that are looked along, -1 for the others. Returns the largest number of these of any row.
+    fractions of half its angle, `speed` is that of sound [m/s]. `look` (M,) gets the number of each cone among those
+    that are looked along, -1 for the others. Returns the number L of these.
     """
     rows, k = listeners.listens.shape
     count = emitters.poses.shape[1]
-    most_looks = 0
+    looks = 0
     near = np.empty((count, _COLUMNS))
     edges = np.empty((3, 2))
     itself = np.empty(k, dtype=np.int64)  # which emitter each listener of a row is
@@ -144,7 +144,6 @@ def face(listeners: Listeners, emitters: Emitters, fan: Floats, speed: float, fa
             if emitters.own[n, i] and own < k:
                 itself[own] = i
                 own += 1
-        looks = 0
         for j in range(k):
             m = n * k + j
             axes = facing.axes[m]
@@ -190,26 +189,4 @@ def face(listeners: Listeners, emitters: Emitters, fan: Floats, speed: float, fa
                 if look[m] >= 0:
                     looks += 1
                     break
-        most_looks = max(most_looks, looks)
-    return most_looks
-
-
-@kernel
-def lay_looks(listeners: Listeners, facing: Facing, surfaces: Surfaces, limit: Floats) -> None:
-    """Write from where looks are taken, in order of listener, and how far (N * l, 1) [m]; number looks by all rows.
-
-    Looks that a row has to spare are those of its first listener, and go nowhere.
-    """
-    rows, k = listeners.listens.shape
-    looks = surfaces.poses.shape[0] // rows
-    for n in range(rows):
-        at = n * looks
-        for m in range(n * k, n * k + k):
-            if surfaces.look[m] >= 0:
-                surfaces.poses[at] = listeners.poses[m]
-                limit[at, 0] = facing.limit[m, 1]
-                surfaces.look[m] = at
-                at += 1
-        for rest in range(at, n * looks + looks):
-            surfaces.poses[rest] = listeners.poses[n * k]
-            limit[rest, 0] = 0.0
+    return looks

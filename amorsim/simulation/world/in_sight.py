@@ -134,7 +134,7 @@ def look_about(
     cos_b, sin_b = np.empty(bearings.shape), np.empty(bearings.shape)
     poses.directions(np.ascontiguousarray(bearings), cos_b, sin_b)
     ranges, met = look_along(world, own, origins, cos_b, sin_b, range_max)
-    things = np.where(met >= 0, met % world.count, -1) if world.has_company else met
+    things = np.where(met >= 0, met - world.first[world.replica_index[own], None], -1) if world.has_company else met
     if not landmarks:
         return ranges, things
     around = world.surroundings

@@ -79,21 +79,21 @@ class GroupView:
         return self._pose
 
     def cast(
-        self, origins: Array, bearings: Array, range_max: Array, traversal: str = "exact", bodies: bool = True
+        self,
+        origins: Array,
+        bearings: Array,
+        range_max: Array,
+        traversal: str = "exact",
+        bodies: bool = True,
+        row: Ints | None = None,
     ) -> Array:
         """Distances [m] to the nearest wall or other body; see `amorsim.contracts.View.cast`."""
-        _check_origins("cast", origins)
-        if not isinstance(bearings, np.ndarray) or bearings.ndim != 2 or len(bearings) not in (1, len(origins)):
-            raise ComponentError(
-                f"view.cast: bearings: expected an array (1, k) or ({len(origins)}, k) [rad], got {_in_words(bearings)}"
-            )
+        own, replica = self._carried("cast", origins, row)
+        _check_bearings("cast", bearings, origins)
         cos_b, sin_b = self._table(bearings)
-        per_row = len(origins) // self.rows
-        limits = self._limits(range_max, origins)
+        limits = self._limits("cast", range_max, origins, row)
         out = np.empty((len(origins), bearings.shape[1]))
         world = self._world
-
-        _, replica = self._carried(per_row)
 
         def part(a: int, b: int) -> None:
             for map_, rows in world.terrain.between(replica, a, b):
@@ -106,7 +106,7 @@ class GroupView:
 
         world.workers.share(len(origins), out.shape[1], part)
         if bodies and world.has_company:
-            self._cast_bodies(origins, cos_b, sin_b, limits, out)
+            world.cast(own, replica, origins, cos_b, sin_b, limits, out)
         return out
 
     def _table(self, bearings: Array) -> Table:
@@ -156,15 +156,18 @@ class GroupView:
         return find_landmarks(self._world, self._bodies, self.pose, slots, reach, angle)
 
     def look(
-        self, origins: Array, bearings: Array, range_max: Array, landmarks: bool = True
-    ) -> tuple[Array, npt.NDArray[np.int64]]:
+        self, origins: Array, bearings: Array, range_max: Array, landmarks: bool = True, row: Ints | None = None
+    ) -> tuple[Array, Ints]:
         """The first things that beams hit; see `amorsim.contracts.View.look`."""
-        own = np.repeat(self._bodies, len(origins) // self.rows)
-        return look_about(self._world, own, origins, bearings, self._limits(range_max, origins), landmarks)
+        own, _ = self._carried("look", origins, row)
+        _check_bearings("look", bearings, origins)
+        limits = self._limits("look", range_max, origins, row)
+        return look_about(self._world, own, origins, bearings, limits, landmarks)
 
-    def normals(self, origins: Array, bearings: Array, bodies: npt.NDArray[np.int64]) -> Array:
+    def normals(self, origins: Array, bearings: Array, bodies: Ints, row: Ints | None = None) -> Array:
         """The normals of bodies where beams enter them; see `amorsim.contracts.View.normals`."""
-        own = np.repeat(self._bodies, len(origins) // self.rows)
+        own, _ = self._carried("normals", origins, row)
+        _check_bearings("normals", bearings, origins)
         return normals_at(self._world, own, origins, bearings, bodies)
 
     def touches(self, zones: Sequence[Shape], which: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
@@ -215,9 +218,8 @@ class GroupView:
 
     def cone(self, origins: Array, half_angle: Array, range_max: Array, traversal: str = "exact") -> Array:
         """The nearest return in a cone; see `amorsim.contracts.View.cone`."""
-        _check_origins("cone", origins)
+        own, replica = self._carried("cone", origins)
         per_row = len(origins) // self.rows
-        own, replica = self._carried(per_row)
         limits = self._per_origin(range_max, per_row)
         out = np.empty(len(origins))
         for angle, which in _by_width(half_angle, per_row):
@@ -233,9 +235,8 @@ class GroupView:
 
     def nearest_wall(self, origins: Array, half_angle: Array, range_max: Array, rays: int) -> tuple[Array, Array]:
         """Bearing and range of the nearest wall in a cone; see `amorsim.contracts.View.nearest_wall`."""
-        _check_origins("nearest_wall", origins)
+        _, replica = self._carried("nearest_wall", origins)
         per_row = len(origins) // self.rows
-        _, replica = self._carried(per_row)
         limits = self._per_origin(range_max, per_row)
         bearing, out = np.empty(len(origins)), np.empty(len(origins))
         for angle, which in _by_width(half_angle, per_row):
@@ -254,13 +255,17 @@ class GroupView:
 
     def _per_origin(self, values: Array, per_row: int) -> Array:
         """One number for each of a row's origins."""
-        numbers = self._per_row(values)
-        return np.repeat(numbers, per_row) if per_row > 1 else numbers
+        return np.repeat(self._per_row(values), per_row)
 
-    def _limits(self, range_max: Array, origins: Array) -> Array:
-        """One limit for each origin `(N * m,)`, from one for each origin, for each row, or for all."""
-        if len(origins) > self.rows and np.shape(range_max) == (len(origins), 1):
-            return np.ascontiguousarray(range_max[:, 0])
+    def _limits(self, asked: str, range_max: Array, origins: Array, row: Ints | None) -> Array:
+        """One limit for each origin `(M,)`, from one for each origin, for each row, or for all."""
+        if np.shape(range_max) == (len(origins), 1):
+            return np.array(range_max[:, 0])
+        if row is not None:
+            raise ComponentError(
+                f"view.{asked}: range_max: with `row`, expected an array ({len(origins)}, 1) [m], one for each origin, "
+                f"got {_in_words(range_max)}"
+            )
         return self._per_origin(range_max, len(origins) // self.rows)
 
     def _hear_walls(
@@ -279,12 +284,30 @@ class GroupView:
         self._world.workers.share(len(origins), CONE_WORK, part)
         return out
 
-    def _cast_bodies(self, origins: Array, cos_b: Array, sin_b: Array, limits: Array, out: Array) -> None:
-        """Lower `out` where another body of the same replica is nearer."""
-        self._world.cast(*self._carried(len(origins) // self.rows), origins, cos_b, sin_b, limits, out)
+    def _carried(self, asked: str, origins: Array, row: Ints | None = None) -> tuple[Ints, Ints]:
+        """The body that carries each origin, and its replica; of origins in turn, or of those of a `row` `(M,)`.
 
-    def _carried(self, per_row: int) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-        """The body that carries each origin, and its replica."""
+        Raises a clear error for a component's wrong origins, before a kernel raises an unclear one, or none.
+        """
+        if not isinstance(origins, np.ndarray) or origins.ndim != 2 or origins.shape[1] != 3:
+            raise ComponentError(
+                f"view.{asked}: origins: expected poses in the world, an array (N * m, 3) such as view.pose, "
+                f"got {_in_words(origins)}"
+            )
+        if row is not None:
+            if not _are_indices(row, len(origins), self.rows):
+                raise ComponentError(
+                    f"view.{asked}: row: expected the row of each origin, an int64 array ({len(origins)},) of numbers "
+                    f"from 0 to {self.rows - 1}, got {_in_words(row)}"
+                )
+            own = self._bodies[row]
+            return own, self._world.replica_index[own]
+        per_row, over = divmod(len(origins), self.rows)
+        if over:
+            raise ComponentError(
+                f"view.{asked}: origins: expected as many for each of {self.rows} rows, got {len(origins)}; `row` says "
+                "which is whose"
+            )
         known = self._carriers.get(per_row)
         if known is None:
             own = np.repeat(self._bodies, per_row)
@@ -304,13 +327,17 @@ def _by_width(half_angle: Array, per_row: int) -> Iterator[tuple[float, Any]]:
         yield float(angle), np.flatnonzero(of_cone == angle)
 
 
-def _check_origins(asked: str, origins: Any) -> None:
-    """Raise a clear error for a component's wrong origins, before a kernel raises an unclear one."""
-    if not isinstance(origins, np.ndarray) or origins.ndim != 2 or origins.shape[1] != 3:
+def _check_bearings(asked: str, bearings: Any, origins: Array) -> None:
+    if not isinstance(bearings, np.ndarray) or bearings.ndim != 2 or len(bearings) not in (1, len(origins)):
         raise ComponentError(
-            f"view.{asked}: origins: expected poses in the world, an array (N * m, 3) such as view.pose, "
-            f"got {_in_words(origins)}"
+            f"view.{asked}: bearings: expected an array (1, k) or ({len(origins)}, k) [rad], got {_in_words(bearings)}"
         )
+
+
+def _are_indices(row: Any, count: int, rows: int) -> bool:
+    if not isinstance(row, np.ndarray) or row.dtype != np.int64 or row.shape != (count,):
+        return False
+    return bool(((row >= 0) & (row < rows)).all())
 
 
 def _in_words(value: Any) -> str:
