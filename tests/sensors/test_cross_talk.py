@@ -2,6 +2,7 @@
 
 import math
 
+import attrs
 import numpy as np
 import pytest
 
@@ -97,6 +98,19 @@ def test_bodies_walls_and_cones_keep_sound_off():
     assert found["a"][1] == found["a"][0] == pytest.approx([1.7], abs=1e-6)
     other = readings(robot("a", 2.0, 5.0, 0.0), robot("b", 6.0, 5.0, math.pi, medium="40kHz"))
     assert other["a"][1] == other["a"][0]
+
+
+def test_a_wall_keeps_sound_off_behind_the_robot_that_emits_it_too():
+    """Its transducer is on an arm, on the other side of the robot and of the wall, and looks back at the listener."""
+    unit = am.MountedSensor(sensor=sonar(), mount=am.Mount(x=3.0, heading=math.pi), noise=(CrossTalk(),))
+    emitter = attrs.evolve(robot("b", 4.0, 5.0, 0.0), sensors={"sonar": unit})
+    listener = robot("a", 2.0, 5.0, 0.0, phase=5e-3)
+    true, measured = readings(listener, emitter)["a"]
+    assert true == pytest.approx([1.8], abs=1e-9)
+    assert measured == pytest.approx([0.5 * (4.9 - 5e-3 * SOUND)], abs=1e-9)  # through its own robot
+    wall = Map.from_segments(np.concatenate((building.room(12.0, 10.0).segments, [(5.5, 4.0, 5.5, 6.0)])))
+    true, measured = readings(listener, emitter, map_=wall)["a"]
+    assert measured == true
 
 
 def test_an_obstacle_that_leaves_the_line_free_does_not():
