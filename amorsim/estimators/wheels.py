@@ -11,6 +11,7 @@ import numpy.typing as npt
 from amorsim.contracts import Drive, Joint, RobotModel
 from amorsim.core.errors import ComponentError, did_you_mean
 from amorsim.kernels.kinematics import odometry
+from amorsim.kernels.numbers import has_nan
 
 __all__ = ["Reckoned", "Step", "angles_of", "carry", "check_encoder", "reckon", "sensor_of", "step_of"]
 
@@ -74,7 +75,7 @@ def step_of(drive: Drive, before: Array, after: Array) -> Step:
 
     Joints that are nan, as `angles_of` gives before the first reading, have not moved.
     """
-    if np.isnan(after).any():
+    if has_nan(after.ravel()):
         before, after = np.nan_to_num(before), np.nan_to_num(after)
     rolling = _rolling(drive.joints)
     radius = drive.rolling_radius()
