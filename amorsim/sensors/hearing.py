@@ -146,5 +146,9 @@ def _room(rows: int, k: int, emitters: int) -> acoustics.Facing:
 
 
 def _lines(count: int) -> acoustics.Lines:
-    whole = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
-    return acoustics.Lines(whole[0], np.empty((count, 3)), np.empty((count, 2)), whole[1])
+    return acoustics.Lines(
+        row=np.empty(count, dtype=np.int64),
+        poses=np.empty((count, 3)),
+        ahead=np.empty((count, 2)),
+        carrier=np.empty(count, dtype=np.int64),
+    )

@@ -419,6 +419,20 @@ def test_a_cone_has_the_bits_of_its_beams(width, spread):
     assert (hits >= 0).any()
 
 
+@pytest.mark.parametrize("place", [0, 15, 30])
+def test_a_bearing_that_is_nan_leaves_the_others_alone(place):
+    scene, rng = random_scene(12, count=12)
+    origins = np.c_[rng.uniform(-3, 3, (40, 2)), rng.uniform(-4, 4, 40)]
+    scan = fan(31, 1.0, -0.5)
+    ranges, hits = scene.cast(origins, scan)
+    rest = np.delete(np.arange(31), place)
+    scan[place] = math.nan
+    some, who = scene.cast(origins, scan)
+    np.testing.assert_array_equal(some[:, rest], ranges[:, rest])
+    np.testing.assert_array_equal(who[:, rest], hits[:, rest])
+    assert (hits >= 0).any()
+
+
 def test_one_column_gets_the_least_of_all_beams():
     scene, rng = random_scene(9, count=12)
     origins = np.c_[rng.uniform(-5, 5, (40, 2)), rng.uniform(-4, 4, 40)]

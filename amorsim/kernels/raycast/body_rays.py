@@ -232,12 +232,12 @@ def _has_company(
             # Larger than it needs to be by far more than rounding can matter.
             circle = (table.disc[n, 2] + slack) * (1.0 + 1e-8) + 1e-8 * (abs(away_x) + abs(away_y))
             far = reach + circle
-            if table.owner[n] == own or away_x * away_x + away_y * away_y > far * far:
+            if table.owner[n] == own or not away_x * away_x + away_y * away_y <= far * far:
                 continue
-            # How far the centre is beyond the nearer edge, where that is less than a quarter turn aside.
+            # How far the centre is beyond the nearer edge, if that is known to be less than a quarter turn aside.
             ahead = cos_h * away_x + sin_h * away_y
             aside = abs(cos_h * away_y - sin_h * away_x)
-            if cos_w <= 0.0 or aside * cos_w - ahead * sin_w <= circle:
+            if not cos_w > 0.0 or aside * cos_w - ahead * sin_w <= circle:
                 return True
     return False
 
