@@ -90,6 +90,10 @@ class Movement:
         self.movers = tuple(movers)
         self._world = world
         self._rows = [(mover, _rows_of(mover.bodies)) for mover in movers]
+        # Which mover moves each body, and the body's number there.
+        self._mover, self._number = np.full(count, -1, dtype=np.int64), np.zeros(count, dtype=np.int64)
+        for index, mover in enumerate(movers):
+            self._mover[mover.bodies], self._number[mover.bodies] = index, np.arange(len(mover.bodies))
         self._form = np.full(count, STANDS, dtype=np.uint8)
         self._motion = np.zeros((count, 3))
         self._bound = np.empty(count)
@@ -155,12 +159,10 @@ class Movement:
         poses_at(paths, bodies, fraction, poses)
         fraction = np.minimum(fraction, paths.stop[bodies])
         asks = (paths.form[bodies] == OTHER) & (fraction > 0.0) & (paths.bound[bodies] > 0.0)
-        if asks.any():
-            for mover in self.movers:
-                row = np.searchsorted(mover.bodies, bodies).clip(max=len(mover.bodies) - 1)
-                mine = np.flatnonzero(asks & (mover.bodies[row] == bodies))
-                if len(mine):
-                    poses[mine] = mover.poses_at(row[mine], fraction[mine])
+        movers = self._mover[bodies]
+        for index in np.unique(movers[asks]).tolist():
+            mine = np.flatnonzero(asks & (movers == index))
+            poses[mine] = self.movers[index].poses_at(self._number[bodies[mine]], fraction[mine])
         return poses
 
     def _scene(self, map_: Map, paths: Paths) -> Scene:
