@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 
 from amorsim.kernels.compile import kernel
 
-__all__ = ["all_finite", "has_nan"]
+__all__ = ["all_finite", "all_indices", "has_nan"]
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 
 @kernel
@@ -21,6 +22,15 @@ def all_finite(values: Floats) -> bool:
     for value in values:
         finite &= math.isfinite(value)
     return finite
+
+
+@kernel
+def all_indices(values: Ints, count: int) -> bool:
+    """Whether each of these (V,) is the index of one of `count` things, from 0 on."""
+    right = True
+    for value in values:
+        right &= 0 <= value < count
+    return right
 
 
 @kernel

@@ -16,6 +16,7 @@ from amorsim.core.poses import compose
 from amorsim.core.shapes import Shape
 from amorsim.core.workers import Workers
 from amorsim.kernels.kinematics import poses
+from amorsim.kernels.numbers import all_indices
 from amorsim.kernels.raycast import bresenham, cones
 from amorsim.simulation.world.bumper_contacts import find_touched
 from amorsim.simulation.world.in_sight import cast_walls, find_landmarks, look_about, normals_at
@@ -240,7 +241,7 @@ class GroupView:
         limits = self._per_origin(range_max, per_row)
         bearing, out = np.empty(len(origins)), np.empty(len(origins))
         for angle, which in _by_width(half_angle, per_row):
-            bearings = angle * np.linspace(-1.0, 1.0, rays)[None, :]
+            bearings = angle * _fan(rays)
             ray = np.empty(len(out[which]), dtype=np.int64)
             table = self._table(bearings)
             out[which] = self._hear_walls(replica[which], origins[which], angle, *table, limits[which], ray)
@@ -337,7 +338,7 @@ def _check_bearings(asked: str, bearings: Any, origins: Array) -> None:
 def _are_indices(row: Any, count: int, rows: int) -> bool:
     if not isinstance(row, np.ndarray) or row.dtype != np.int64 or row.shape != (count,):
         return False
-    return bool(((row >= 0) & (row < rows)).all())
+    return all_indices(np.ascontiguousarray(row), rows)
 
 
 def _in_words(value: Any) -> str:
@@ -349,6 +350,12 @@ def cone_bearings(half_angle: float) -> Array:
     """The rays of a cone `(1, k)`: both edges, and between them at most 0.05 degrees apart."""
     count = max(2, math.ceil(2.0 * half_angle / CONE_STEP - 1e-9) + 1)
     return np.linspace(-half_angle, half_angle, count)[None, :]
+
+
+@functools.lru_cache(maxsize=64)
+def _fan(rays: int) -> Array:
+    """As many rays `(1, rays)` from edge to edge of a cone, in fractions of half its angle."""
+    return np.linspace(-1.0, 1.0, rays)[None, :]
 
 
 @functools.lru_cache(maxsize=64)
