@@ -31,6 +31,8 @@ __all__ = [
     "did_you_mean",
 ]
 
+_SHOWN = 100  # faults in a message
+
 
 class AmorsimError(Exception):
     """The base of all exceptions that amorsim raises on purpose."""
@@ -147,12 +149,18 @@ class Fault:
 
 
 class ScenarioError(AmorsimError):
-    """A scenario with faults; carries all of them, and the warnings of its map if that was read."""
+    """A scenario with faults; carries all of them, and the warnings of its map if that was read.
+
+    Its message shows the first hundred.
+    """
 
     def __init__(self, faults: Iterable[Fault], warnings: Iterable[str] = ()) -> None:
         self.faults = tuple(faults)
         self.warnings = tuple(warnings)
-        super().__init__("\n".join(str(fault) for fault in self.faults))
+        lines = [str(fault) for fault in self.faults[:_SHOWN]]
+        if len(self.faults) > _SHOWN:
+            lines.append(f"and {len(self.faults) - _SHOWN} more faults")
+        super().__init__("\n".join(lines))
 
 
 def did_you_mean(name: object, known: Iterable[str]) -> str:

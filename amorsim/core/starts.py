@@ -15,7 +15,15 @@ from amorsim.core.poses import compose
 from amorsim.core.shapes import SMALLEST, Shape, pack
 from amorsim.kernels.collision.clearance import map_gaps
 
-__all__ = ["freest_start", "least_gaps", "out_of_reach", "outside", "overlap_with_walls", "wall_gaps"]
+__all__ = [
+    "freest_start",
+    "least_gaps",
+    "out_of_reach",
+    "outside",
+    "overlap_with_others",
+    "overlap_with_walls",
+    "wall_gaps",
+]
 
 Array = npt.NDArray[np.float64]
 
@@ -57,6 +65,12 @@ def overlap_with_walls(world: Map, x: float, y: float, near: Sequence[float], wh
         f"at ({x:.3f}, {y:.3f}) m {what} overlaps {of_what} near ({near[0]:.3f}, {near[1]:.3f}) m; "
         "expected a free place"
     )
+
+
+def overlap_with_others(names: Sequence[str]) -> str:
+    """The message for a body that overlaps others, of which one at least is given: the first and how many more."""
+    more = f" and {len(names) - 1} more" if len(names) > 1 else ""
+    return f"overlaps {names[0]!r}{more}; expected room between them"
 
 
 def outside(world: Map, x: float, y: float) -> str:

@@ -15,7 +15,7 @@ from amorsim.core.map import Map
 from amorsim.core.memory import too_large
 from amorsim.core.parameters import parameter
 from amorsim.core.shapes import Shape, pack
-from amorsim.core.starts import outside, overlap_with_walls, wall_gaps
+from amorsim.core.starts import outside, overlap_with_others, overlap_with_walls, wall_gaps
 from amorsim.kernels.collision.footprints import body_gaps
 from amorsim.plugins.checks import check_name
 from amorsim.scenario.bodies import read_pose, read_shape
@@ -253,12 +253,12 @@ def _check_overlaps(
     first, second = first[order].astype(np.int64), second[order].astype(np.int64)
     out = np.empty(len(first))
     body_gaps(pack(shapes), first, poses[first], second, poses[second], np.zeros(len(first)), out)
-    said = set()
+    overlapped: dict[str, tuple[Placed, dict[str, None]]] = {}
     for i in np.flatnonzero(out < 0.0).tolist():
         one, other = fixed[int(first[i])], fixed[int(second[i])]
-        if one.name != other.name and (one.name, other.name) not in said:
-            said.add((one.name, other.name))
-            wrong.append((other, f"overlaps {one.name!r}; expected room between them"))
+        if one.name != other.name:
+            overlapped.setdefault(other.name, (other, {}))[1][one.name] = None
+    wrong += [(other, overlap_with_others(list(names))) for other, names in overlapped.values()]
 
 
 def _tell(wrong: Sequence[tuple[Placed, str]]) -> None:

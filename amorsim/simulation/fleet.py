@@ -13,7 +13,7 @@ import numpy.typing as npt
 from amorsim.core.draws import check_collisions
 from amorsim.core.errors import Fault, ScenarioError
 from amorsim.core.rows import signature
-from amorsim.core.starts import overlap_with_walls
+from amorsim.core.starts import overlap_with_others, overlap_with_walls
 from amorsim.scenario.spec import Obstacle, Robot, Scenario
 from amorsim.simulation.alike import group_key
 from amorsim.simulation.contact.resolve import WALL, Movement
@@ -161,10 +161,12 @@ class Fleet:
             faults.append(self._start_fault(body, of_replica + message))
         a, b = world.pairs_within(world.poses, none)
         overlaps = world.body_gaps(a, world.poses[a], b, world.poses[b], np.zeros(len(a))) < 0.0
+        overlapped: dict[int, list[str]] = {}
         for first, second in zip(a[overlaps].tolist(), b[overlaps].tolist(), strict=True):
             # The message is about the robot of a part, or else the later of the two bodies.
             who, other = (first, second) if int(world.owner[second]) < int(world.owner[first]) else (second, first)
-            faults.append(self._start_fault(who, f"overlaps {world.name(other)!r}; expected room between them"))
+            overlapped.setdefault(who, []).append(world.name(other))
+        faults += [self._start_fault(who, overlap_with_others(names)) for who, names in overlapped.items()]
         if faults:
             raise ScenarioError(dict.fromkeys(faults))
 

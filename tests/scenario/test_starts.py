@@ -344,6 +344,28 @@ def test_two_at_one_place_and_a_map_whose_start_has_no_room(file):
         am.load(file(big))
 
 
+def test_of_many_at_one_place_each_is_reported_once(file):
+    """Robots that were copied, by hand or in a script, and whose poses were forgotten."""
+    scenario = building.scenario(*(building.robot(name=f"r{i:03d}") for i in range(130)))
+    with pytest.raises(am.ScenarioError) as caught:
+        am.Simulation(scenario)
+    faults = [(fault.path, fault.message) for fault in caught.value.faults]
+    assert faults[0] == ("robots.r001.pose", "overlaps 'r000'; expected room between them")
+    assert faults[-1] == ("robots.r129.pose", "overlaps 'r000' and 128 more; expected room between them")
+    assert len(faults) == 129
+    shown = str(caught.value).splitlines()
+    assert len(shown) == 101
+    assert shown[-1] == "and 29 more faults"
+    text = ROVER + "".join(ROVER[ROVER.index("[[robots]]") :].replace("rover", f"other{i}") for i in range(3))
+    with pytest.raises(am.ScenarioError) as caught:
+        am.load(file(text))
+    assert [fault.message.split(";")[0] for fault in caught.value.faults] == [
+        "overlaps 'rover'",
+        "overlaps 'rover' and 1 more",
+        "overlaps 'rover' and 2 more",
+    ]
+
+
 def test_the_place_for_a_footprint_is_one_where_it_fits():
     # A room of 2 m x 2 m, roomiest for a circle, and a corridor of 6 m x 0.8 m for what is long.
     walls = [(0, 0, 2, 0), (2, 0, 2, 2), (2, 2, 0, 2), (0, 2, 0, 0),
