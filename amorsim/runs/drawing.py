@@ -16,6 +16,7 @@ from amorsim.core.trouble import in_words
 from amorsim.render.picture import SMALLEST, draw_map, draw_run
 from amorsim.runs.traces import paths_of, things_of
 from amorsim.scenario.spec import Scenario
+from amorsim.simulation.asked import numbers_in_words
 from amorsim.simulation.simulation import Simulation
 
 __all__ = ["draw"]
@@ -93,7 +94,7 @@ def _index_of(simulation: Simulation, replica: int | None) -> int:
     if replica is None:
         return 0
     if replica not in simulation.replicas:
-        raise AmorsimError(f"draw: there is no replica {replica!r}; there are {in_words(simulation.replicas)}")
+        raise AmorsimError(f"draw: there is no replica {replica!r}, but: {numbers_in_words(simulation.replicas)}")
     return simulation.replicas.index(replica)
 
 

@@ -280,7 +280,7 @@ class Simulation:
             return 0
         number = int(replica) if isinstance(replica, (int, np.integer)) else -1
         if number not in self.replicas:
-            raise AmorsimError(f"there is no replica {in_words(replica)}; there are {numbers_in_words(self.replicas)}")
+            raise AmorsimError(f"there is no replica {in_words(replica)}, but: {numbers_in_words(self.replicas)}")
         return self.replicas.index(number)
 
     def frames(self) -> list[Frame]:
