@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sized
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.arguments import numbers, real
+from amorsim.core.parameters import ParameterError
 
 __all__ = ["MapScores", "area_under_curve", "distances_to_walls", "map_scores"]
 
@@ -66,7 +68,7 @@ def map_scores(
     probability
         Of each cell to be occupied, `(rows, columns)`; nan is unknown.
     truth
-        1 where a cell is truly occupied, 0 where it is free, anything else where that is not known.
+        As `probability`: 1 where a cell is truly occupied, 0 where it is free, anything else where that is not known.
     resolution
         Side of a cell [m].
     margin
@@ -75,17 +77,20 @@ def map_scores(
     Raises
     ------
     ValueError
-        If the shapes differ, or a probability is not between 0 and 1.
+        If the shapes differ, a probability is not between 0 and 1, or the margin is not below 0.5.
     """
-    probability, truth = numbers(probability, "probability", ("rows", "columns")), np.asarray(truth)
+    probability = numbers(probability, "probability", ("rows", "columns"))
+    true = numbers(truth, "truth", probability.shape)
     resolution = real(resolution, "resolution", "the side of a cell [m]")
-    if probability.shape != truth.shape or probability.ndim != 2:
-        raise ValueError(f"expected two maps of the same shape, got {probability.shape} and {truth.shape}")
+    between = "a number >= 0 and < 0.5"
+    margin = real(margin, "margin", between)
+    if not 0.0 <= margin < 0.5:
+        raise ParameterError("margin", f"expected {between}, got {margin:g}")
     values = probability[~np.isnan(probability)]
     if ((values < 0.0) | (values > 1.0)).any():
         raise ValueError("expected probabilities between 0 and 1")
-    known = (truth == 0) | (truth == 1)
-    is_wall = truth == 1
+    known = (true == 0) | (true == 1)
+    is_wall = true == 1
     with np.errstate(invalid="ignore"):
         says_wall, says_free = (probability > 0.5 + margin) & known, (probability < 0.5 - margin) & known
     hits = int(np.count_nonzero(says_wall & is_wall))
@@ -134,7 +139,8 @@ def distances_to_walls(points: Array, walls: Array) -> Array:
     For points of an estimated map, such as the middles of cells that it calls occupied, and `Map.segments`.
     """
     points = numbers(points, "points", ("N", 2))
-    walls = numbers(walls, "walls", ("M", 4)) if len(walls) else np.empty((0, 4))
+    has_none = isinstance(walls, Sized) and not len(walls)
+    walls = np.empty((0, 4)) if has_none else numbers(walls, "walls", ("M", 4))
     nearest = np.full(len(points), np.inf)
     for x0, y0, x1, y1 in walls.tolist():  # one after another: all at once would take much memory
         dx, dy = x1 - x0, y1 - y0

@@ -46,6 +46,8 @@ def bootstrap_interval(
     resamples = whole(resamples, "resamples", "a whole number > 0", least=1)
     if not 0.0 < level < 1.0:
         raise ParameterError("confidence", f"expected a number between 0 and 1, got {in_words(confidence)}")
+    if not (statistic is None or callable(statistic)):
+        raise ParameterError("statistic", f"expected a function such as numpy.median, got {in_words(statistic)}")
     if len(samples) < 2:
         raise ValueError(f"expected two samples at least, got {len(samples)}")
     if samples.min() == samples.max():  # nothing scatters, and BCa is not defined

@@ -256,6 +256,7 @@ def relation_errors(estimate: Trajectory, relations: npt.ArrayLike, *, most_apar
         If these are no relations, or none has poses at its times.
     """
     check_kind(estimate, Trajectory, "estimate", _A_TRAJECTORY)
+    most_apart = real(most_apart, "most_apart", "a number of seconds")
     try:
         given = numbers(relations, "relations", ("M", 5))
     except ParameterError as error:

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from amorsim.analysis.message_values import command_of, holds_pose, pose_of, reading_of
 from amorsim.analysis.run_log import LogEntry, entries_of_run
 from amorsim.analysis.trajectory import Trajectory
-from amorsim.core.arguments import path_of
+from amorsim.core.arguments import check_kind, path_of
 from amorsim.core.errors import AmorsimError, AnalysisError, did_you_mean
 from amorsim.runs.folder import ABOUT
 from amorsim.scenario.spec import Robot
@@ -109,7 +109,8 @@ def read_log(
     RunError
         If a file of the run's folder is damaged, or the run has no such robot or replica.
     """
-    path = Path(path)
+    path = path_of(path, "path", RECORDING)
+    check_kind(robot, Robot, "robot", "a Robot, as am.load('demo').robots[0]")
     if (path / ABOUT).is_file():
         if topics is not None or command is not None:
             raise AnalysisError(f"{path}: the folder of a run has no topics; leave out topics and command")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -62,10 +63,23 @@ def test_auc_is_the_share_of_pairs_in_order(cells: list[tuple[int, bool]]) -> No
 
 
 def test_what_cannot_be_compared_is_refused() -> None:
-    with pytest.raises(ValueError, match="the same shape"):
+    with pytest.raises(ValueError, match="truth: expected numbers of the shape"):
         map_scores(np.zeros((2, 2)), np.zeros((2, 3), np.int64), 0.1)
     with pytest.raises(ValueError, match="between 0 and 1"):
         map_scores(np.full((2, 2), 1.5), np.zeros((2, 2), np.int64), 0.1)
+
+
+@pytest.mark.parametrize("margin", [-0.1, 0.5, "0.1", None])
+def test_a_margin_is_less_than_a_half(margin: Any) -> None:
+    with pytest.raises(ValueError, match=r"margin: expected a number >= 0 and < 0\.5, got"):
+        map_scores(np.zeros((2, 2)), np.zeros((2, 2), np.int64), 0.1, margin=margin)
+
+
+@pytest.mark.parametrize("walls", [None, 3, [[1, 2], [3]], np.zeros((2, 3))])
+def test_what_are_no_walls_is_refused(walls: Any) -> None:
+    with pytest.raises(ValueError, match=r"walls: expected numbers of the shape \(M, 4\)"):
+        distances_to_walls(np.zeros((1, 2)), walls)
+    assert distances_to_walls(np.zeros((1, 2)), []).tolist() == [math.inf]  # type: ignore[arg-type]
 
 
 def test_distances_to_walls_are_those_of_shapely() -> None:

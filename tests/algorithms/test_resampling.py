@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -87,3 +88,9 @@ def test_holm_multiplies_the_least_the_most() -> None:
     assert holm([0.01, 0.04, 0.03]) == pytest.approx([0.03, 0.06, 0.06])
     assert holm([0.5, 0.9]) == [1.0, 1.0]
     assert holm([]) == []
+
+
+def test_a_statistic_is_a_function() -> None:
+    wrong: Any = "median"
+    with pytest.raises(ValueError, match=r"statistic: expected a function such as numpy\.median, got 'median'"):
+        bootstrap_interval(np.arange(5.0), statistic=wrong)

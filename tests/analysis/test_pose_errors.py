@@ -6,6 +6,7 @@ import functools
 import json
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -207,3 +208,6 @@ def test_relations_are_judged_without_a_true_trajectory() -> None:
         relation_errors(turned, [(0.0, 1.0)])
     with pytest.raises(am.AnalysisError, match=r"no poses at the times"):
         relation_errors(turned, [(50.0, 60.0, 0.0, 0.0, 0.0)])
+    wrong: Any = "0.1"
+    with pytest.raises(am.ParameterError, match=r"most_apart: expected a number of seconds, got '0\.1'"):
+        relation_errors(estimate, relations, most_apart=wrong)

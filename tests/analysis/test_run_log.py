@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import attrs
 import numpy as np
@@ -60,6 +61,12 @@ def test_mistakes_are_named(run: Path) -> None:
         list(read_log(run, robot, replica=7))
     with pytest.raises(am.RunError, match=r"there is no robot 'rovr'.*Did you mean 'rover'"):
         list(read_log(run, attrs.evolve(robot, name="rovr"), replica=0))
+    wrong: Any = "rover"  # as other functions take it
+    with pytest.raises(am.ParameterError, match=r"robot: expected a Robot, as am\.load.*, got 'rover'"):
+        read_log(run, wrong)
+    wrong = None
+    with pytest.raises(am.ParameterError, match="path: expected the path of a recording, got None"):
+        read_log(wrong, robot)
     with pytest.raises(am.AnalysisError, match="has no topics"):
         read_log(run, robot, command="/cmd_vel")
     with pytest.raises(am.AnalysisError, match="is not the folder of a run"):
