@@ -91,7 +91,7 @@ def reeds_shepp(start: Sequence[float], goal: Sequence[float], radius: float) ->
 
 
 def _shortest(words: Words, start: Sequence[float], goal: Sequence[float], radius: float) -> Curve:
-    if not (math.isfinite(radius) and radius > 0.0):
+    if not (isinstance(radius, (int, float, np.number)) and math.isfinite(radius) and radius > 0.0):
         raise PlanError(f"radius is {radius!r}; expected a positive number of metres")
     return all_curves(words, _pose(start, "start"), _pose(goal, "goal"), radius)[0]
 

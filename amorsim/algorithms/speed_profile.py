@@ -122,9 +122,9 @@ def speed_profile(
     """
     braking = acceleration if deceleration is None else deceleration
     for name, limit in (("speed", speed), ("acceleration", acceleration), ("deceleration", braking)):
-        if not (math.isfinite(limit) and limit > 0.0):
+        if not (isinstance(limit, (int, float, np.number)) and math.isfinite(limit) and limit > 0.0):
             raise PlanError(f"{name} is {limit!r}; expected a finite number above 0")
-    if not turn_rate > 0.0:
+    if not (isinstance(turn_rate, (int, float, np.number)) and turn_rate > 0.0):
         raise PlanError(f"turn_rate is {turn_rate!r}; expected a number above 0")
     pieces = pieces_of(path)
     lengths = np.abs(pieces.lengths)

@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from amorsim.contracts import Plan
+from amorsim.core.arguments import check_kind, check_text, numbers, whole
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.core.shapes import Shape
+from amorsim.core.trouble import in_words
 from amorsim.render import marks
 from amorsim.render.canvas import FINENESS, Canvas
 from amorsim.render.legend import Item
@@ -47,10 +49,17 @@ def draw_plan(
     Raises
     ------
     ParameterError
-        If `size` is less than 240.
+        If `size` is less than 240, or something is not what it is to be.
     """
-    if size < SMALLEST:
-        raise ParameterError("size", f"expected at least {SMALLEST} pixels, got {size}")
+    check_kind(world, Map, "world", "a Map, as am.load_map('room.wld')")
+    check_kind(plan, Plan, "plan", "a Plan, as a planner's plan() returns")
+    for name, place in (("start", start), ("goal", goal)):
+        if len(numbers(place, name, ("N",))) not in (2, 3):
+            raise ParameterError(name, f"expected (x, y) or (x, y, heading), got {in_words(place)}")
+    if footprint is not None:
+        check_kind(footprint, Shape, "footprint", "a Shape, as am.Shape.circle(0.25)")
+    size = whole(size, "size", f"at least {SMALLEST} pixels", least=SMALLEST)
+    check_text(title, "title")
     page = _PlanPage(world, plan, start, goal, footprint, size, title)
     page.draw_floor()
     page.draw_searched()

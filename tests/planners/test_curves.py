@@ -104,6 +104,9 @@ def test_poses_turn_no_sharper_than_the_radius(goal):
 def test_what_is_no_pose_or_radius_is_refused():
     with pytest.raises(am.PlanError, match=r"goal is \(1, 2\); expected \(x, y, heading\)"):
         dubins(ORIGIN, (1, 2), 1.0)
+    wrong = "1.0"
+    with pytest.raises(am.PlanError, match=r"radius is '1\.0'; expected a positive number of metres"):
+        dubins(ORIGIN, ORIGIN, wrong)
     with pytest.raises(am.PlanError, match="radius is 0"):
         reeds_shepp(ORIGIN, ORIGIN, 0.0)
     with pytest.raises(am.PlanError, match="spacing is 0"):

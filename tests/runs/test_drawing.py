@@ -97,3 +97,27 @@ def test_what_is_shown_of_a_scenario_fits_on_a_line() -> None:
 def test_the_version_is_there_and_the_names_are_the_public_ones() -> None:
     assert am.__version__[0].isdigit()
     assert set(dir(am)) == {*am.__all__, "__version__"}
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"world": "room.wld"}, r"world: expected a Map, as am\.load_map.*, got 'room\.wld'"),
+        ({"plan": None}, r"plan: expected a Plan, as a planner's plan\(\) returns, got None"),
+        ({"start": (1.0,)}, r"start: expected \(x, y\) or \(x, y, heading\), got \(1\.0,\)"),
+        ({"goal": "there"}, r"goal: expected numbers of the shape \(N,\), got 'there'"),
+        ({"footprint": 0.2}, r"footprint: expected a Shape, as am\.Shape\.circle\(0\.25\), got 0\.2"),
+        ({"size": "large"}, r"size: expected at least 240 pixels, got 'large'"),
+        ({"title": 3}, r"title: expected a text, got 3"),
+    ],
+)
+def test_what_is_no_plan_or_map_of_one_is_refused(wrong: dict[str, Any], message: str) -> None:
+    given: dict[str, Any] = {
+        "world": scenario().map,
+        "plan": am.Plan(status="unreachable"),
+        "start": (1, 1),
+        "goal": (2, 2),
+    }
+    given |= wrong
+    with pytest.raises(am.ParameterError, match=message):
+        am.draw_plan(given.pop("world"), given.pop("plan"), given.pop("start"), given.pop("goal"), **given)
