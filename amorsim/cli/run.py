@@ -42,7 +42,7 @@ def command(
         int | None, typer.Option(metavar="N", help="How many replicas to simulate; each draws its own noise.")
     ] = None,
     threads: Annotated[
-        int, typer.Option(metavar="N", help="How many threads share the work; pays from about a hundred robots up.")
+        int, typer.Option(metavar="N", help="How many threads share the work; pays from some hundreds of robots up.")
     ] = 1,
     replica: Annotated[
         list[int] | None,

@@ -50,7 +50,7 @@ class Simulation:
     replicas
         The number of replicas, or their numbers. Replica 37 of many gives the same bits as replica 37 alone.
     threads
-        The number of threads that share long work, useful from about a hundred robots; it does not change the bits.
+        The number of threads that share long work, useful from some hundreds of robots; it does not change the bits.
 
     Raises
     ------
