@@ -149,7 +149,12 @@ def angles_of(robot: RobotModel, encoder: str, measured: Array, joints: Array) -
     nobody knows what moved: nothing has, and the reading is the new reference.
     """
     sensor: Any = robot.sensors[encoder].sensor
-    angles = np.ascontiguousarray(sensor.angles(measured))
+    angles = np.ascontiguousarray(sensor.angles(measured), dtype=np.float64)
+    if angles.shape != joints.shape:  # the kernel would read beyond them
+        raise ComponentError(
+            f"sensor {encoder!r} ({type(sensor).__name__}): expected the angles of the drive's joints from angles(), "
+            f"an array {joints.shape} [rad], got one of the shape {angles.shape}"
+        )
     before, after = np.empty(joints.shape), np.empty(joints.shape)
     odometry.joints_between(joints, angles, _FAR, _LEAP, before, after)
     return before, after

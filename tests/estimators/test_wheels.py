@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import attrs
 import numpy as np
 import pytest
 
@@ -61,3 +62,18 @@ def test_counts_that_jump_further_than_a_wheel_turns_begin_again(name, jumps):
     # What the wheels did in the step of a jump nobody knows: 0.08 m in two steps at most.
     assert np.hypot(*(found - wanted)[:2]) < (0.3 if name == "monte_carlo" else 0.1)
     assert abs(found[2] - wanted[2]) < 0.1
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 3), (2,)])
+def test_angles_of_other_joints_than_the_drives_are_refused(shape):
+    """Of an encoder of somebody's own, before a kernel reads beyond them."""
+
+    class Odd(am.sensors.Encoder):
+        def angles(self, values):
+            return np.zeros(shape)
+
+    robot = scenario("dead_reckoning").robots[0]
+    odd = Odd(counts_per_revolution=100.0)
+    changed = attrs.evolve(robot, sensors=dict(robot.sensors) | {"encoder": odd})
+    with pytest.raises(am.ComponentError, match=r"sensor 'encoder' \(Odd\): expected .* \(1, 2\) \[rad\], got one of"):
+        am.Simulation(attrs.evolve(scenario("dead_reckoning"), robots=[changed]))
