@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.algorithms.cells import place_of
+from amorsim.core.arguments import is_real
 from amorsim.core.errors import PlanError
 from amorsim.kernels.search.curves import MOST_WORDS, dubins_words, reeds_shepp_words, trace_word
 
@@ -91,7 +92,7 @@ def reeds_shepp(start: Sequence[float], goal: Sequence[float], radius: float) ->
 
 
 def _shortest(words: Words, start: Sequence[float], goal: Sequence[float], radius: float) -> Curve:
-    if not (isinstance(radius, (int, float, np.number)) and math.isfinite(radius) and radius > 0.0):
+    if not (is_real(radius) and radius > 0.0):
         raise PlanError(f"radius is {radius!r}; expected a positive number of metres")
     return all_curves(words, _pose(start, "start"), _pose(goal, "goal"), radius)[0]
 

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from numpy.typing import ArrayLike
 
+from amorsim.core.arguments import is_real
 from amorsim.core.errors import PlanError
 
 __all__ = ["Pieces", "SpeedProfile", "pieces_of", "speed_profile"]
@@ -122,9 +123,10 @@ def speed_profile(
     """
     braking = acceleration if deceleration is None else deceleration
     for name, limit in (("speed", speed), ("acceleration", acceleration), ("deceleration", braking)):
-        if not (isinstance(limit, (int, float, np.number)) and math.isfinite(limit) and limit > 0.0):
+        if not (is_real(limit) and limit > 0.0):
             raise PlanError(f"{name} is {limit!r}; expected a finite number above 0")
-    if not (isinstance(turn_rate, (int, float, np.number)) and turn_rate > 0.0):
+    is_free = isinstance(turn_rate, float) and turn_rate == math.inf
+    if not (is_free or (is_real(turn_rate) and turn_rate > 0.0)):
         raise PlanError(f"turn_rate is {turn_rate!r}; expected a number above 0")
     pieces = pieces_of(path)
     lengths = np.abs(pieces.lengths)

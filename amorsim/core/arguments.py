@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 import numpy.typing as npt
@@ -14,7 +14,7 @@ import numpy.typing as npt
 from amorsim.core.parameters import ParameterError
 from amorsim.core.trouble import in_words
 
-__all__ = ["check_kind", "check_text", "numbers", "path_of", "real", "texts", "whole"]
+__all__ = ["check_kind", "check_text", "is_real", "numbers", "path_of", "real", "texts", "whole"]
 
 Array = npt.NDArray[np.float64]
 
@@ -59,15 +59,20 @@ def whole(given: object, name: str, expected: str, least: int = 0) -> int:
     return number
 
 
+def is_real(given: object) -> TypeGuard[float]:
+    """Whether something is a finite number, also one of NumPy's."""
+    if not isinstance(given, (int, float, np.integer, np.floating)) or isinstance(given, bool):
+        return False
+    try:
+        return math.isfinite(given)
+    except OverflowError:  # an integer of hundreds of digits
+        return False
+
+
 def real(given: object, name: str, expected: str) -> float:
     """A finite number as Python's float; a `ParameterError` for others. Bounds are the caller's to check."""
-    if isinstance(given, (int, float, np.integer, np.floating)) and not isinstance(given, bool):
-        try:
-            number = float(given)
-        except OverflowError:  # an integer of hundreds of digits
-            number = math.inf
-        if math.isfinite(number):
-            return number
+    if is_real(given):
+        return float(given)
     raise ParameterError(name, f"expected {expected}, got {in_words(given)}")
 
 

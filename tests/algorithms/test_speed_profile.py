@@ -89,6 +89,7 @@ def test_limits_are_kept_and_reached(goal, limits):
         ([(0, 0), (1, 0)], {"acceleration": math.inf}, "acceleration is inf"),
         ([(0, 0), (1, 0)], {"turn_rate": math.nan}, "turn_rate is nan"),
         ([(0, 0), (1, 0)], {"speed": "1.0"}, r"speed is '1\.0'; expected a finite number above 0"),
+        ([(0, 0), (1, 0)], {"speed": np.complex128(1.0)}, "speed is .*; expected a finite number above 0"),
         ([(0, 0), (1, 0)], {"turn_rate": None}, "turn_rate is None; expected a number above 0"),
     ],
 )
