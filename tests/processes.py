@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-__all__ = ["is_running"]
+__all__ = ["command_line_of", "is_running"]
 
 
 def is_running(pid: int) -> bool:
@@ -16,3 +16,11 @@ def is_running(pid: int) -> bool:
         return not Path("/proc").is_dir() or stat.read_text().rpartition(")")[2].split()[0] not in ("Z", "X")
     except (FileNotFoundError, ProcessLookupError):  # it ended, perhaps between opening the file and reading it
         return False
+
+
+def command_line_of(pid: int) -> bytes:
+    """The command line of a process, with zeros between its words; empty for one that has ended."""
+    try:
+        return Path(f"/proc/{pid}/cmdline").read_bytes()
+    except (FileNotFoundError, ProcessLookupError):
+        return b""
