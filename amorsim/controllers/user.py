@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import attrs
 import numpy as np
@@ -77,8 +78,7 @@ class PoseVector(np.ndarray[Any, np.dtype[np.float64]]):
         return float(self[2])
 
 
-@attrs.frozen
-class RobotReading:
+class RobotReading(NamedTuple):
     """A sensor's reading, of one robot."""
 
     measured: Array  # (k,) in the sensor's unit
@@ -87,8 +87,7 @@ class RobotReading:
     fresh: bool  # whether they arrived in this step
 
 
-@attrs.frozen
-class RobotEstimate:
+class RobotEstimate(NamedTuple):
     """The estimated pose of one robot."""
 
     pose: PoseVector  # (3,) x [m], y [m], heading [rad]
@@ -110,8 +109,7 @@ class RobotEstimate:
         return self.pose.heading
 
 
-@attrs.frozen
-class RobotClock:
+class RobotClock(NamedTuple):
     """The time of one robot: ticks and seconds since the episode began, and the length of a step [s]."""
 
     tick: int
@@ -170,18 +168,12 @@ class UserController(UserCode, Controller):
         """
         caller = self.asker(state)
         answers = _Answers(robot, self.title, joints_of(robot, readings))
-        times = zip(clock.tick[:, 0].tolist(), clock.time[:, 0].tolist(), strict=True)
-        for row, (read, (tick, time)) in enumerate(zip(_by_robot(readings, robot.rows), times, strict=True)):
-            arguments = (
-                read,
-                RobotEstimate(estimate.pose[row].copy().view(PoseVector), estimate.covariance[row].copy()),
-                RobotClock(tick, time, float(clock.dt)),
-            )
+        for row, arguments in enumerate(_by_robot(readings, estimate, clock)):
             try:
                 answer = caller(row)(*arguments)
             except RAISED as error:
                 name = robot.names[row] if robot.names else ""
-                raise self.raised(error, robot.who(row), arguments[2].time, name) from error
+                raise self.raised(error, robot.who(row), arguments[-1].time, name) from error
             answers.take(row, answer)
         return answers.command()
 
@@ -193,19 +185,18 @@ class _RobotReadings(dict[str, RobotReading]):
         raise KeyError(f"there is no sensor {name!r}, but: {', '.join(self) or 'none'}.{did_you_mean(name, self)}")
 
 
-def _by_robot(readings: Mapping[str, Measurement], rows: int) -> Iterator[_RobotReadings]:
-    """The readings of each robot."""
-    whole = [
-        (name, measured, stamp[:, 0].tolist(), age[:, 0].tolist(), fresh[:, 0].tolist())
-        for name, (measured, stamp, age, fresh) in readings.items()
+def _by_robot(
+    readings: Mapping[str, Measurement], estimate: Estimate, clock: Clock
+) -> Iterator[tuple[_RobotReadings, RobotEstimate, RobotClock]]:
+    """What each robot's code gets; of copies, so that it may keep and change them."""
+    read = [
+        map(RobotReading, measured.copy(), stamp[:, 0].tolist(), age[:, 0].tolist(), fresh[:, 0].tolist())
+        for measured, stamp, age, fresh in readings.values()
     ]
-    for row in range(rows):
-        yield _RobotReadings(
-            {
-                name: RobotReading(measured[row].copy(), stamps[row], ages[row], is_fresh[row])
-                for name, measured, stamps, ages, is_fresh in whole
-            }
-        )
+    estimates = map(RobotEstimate, estimate.pose.copy().view(PoseVector), estimate.covariance.copy())
+    clocks = map(RobotClock, clock.tick[:, 0].tolist(), clock.time[:, 0].tolist(), itertools.repeat(float(clock.dt)))
+    for now, believed, *of_sensors in zip(clocks, estimates, *read, strict=True):
+        yield _RobotReadings(zip(readings, of_sensors, strict=True)), believed, now
 
 
 class _Answers:
@@ -234,16 +225,16 @@ class _Answers:
                 raise self._wrong(row, answer, f"a {type(self._robot.drive).__name__} takes no wheel speeds")
             self._speeds[row] = self._numbers(row, answer, (answer.left, answer.right))
             self._gave_speeds[row] = True
-        elif isinstance(answer, Mapping):
-            unknown = [name for name in answer if name not in channels]
-            if unknown:
-                raise self._wrong(row, answer, f"there is no channel {in_words(unknown[0])}")
-            self._rates[row] = self._numbers(row, answer, [answer.get(name, 0.0) for name in channels])
         elif isinstance(answer, (Sequence, np.ndarray)) and not isinstance(answer, (str, bytes)):
             is_flat = not isinstance(answer, np.ndarray) or answer.ndim == 1
             if not is_flat or len(answer) not in (len(channels), len(self._robot.drive.channels)):
                 raise self._wrong(row, answer, f"there are {len(channels)} channels")
             self._rates[row, : len(answer)] = self._numbers(row, answer, answer)
+        elif isinstance(answer, Mapping):
+            unknown = [name for name in answer if name not in channels]
+            if unknown:
+                raise self._wrong(row, answer, f"there is no channel {in_words(unknown[0])}")
+            self._rates[row] = self._numbers(row, answer, [answer.get(name, 0.0) for name in channels])
         else:
             raise self._wrong(row, answer, f"a {type(answer).__name__} is no command")
 
