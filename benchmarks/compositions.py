@@ -7,6 +7,7 @@ robot.
 
 from __future__ import annotations
 
+import collections
 import functools
 import importlib.util
 import time
@@ -35,12 +36,13 @@ _AT_LEAST = 0.4  # s timed in a round
 _AT_MOST = 1.5  # s, after which a peer that is watched makes no new step; it is timed over as many
 _RATES = (1.2, 1.8)  # rad/s of the wheels: a slow circle
 _PLAIN = "as shipped, commands given"
+_PYTHON = "a user's controller in Python"
 _EKF = "an EKF of a plugin for dead reckoning"
-_LESS = "the same, less the EKF's own time"
+_LESS = {_PYTHON: "the same, less the controller's own time", _EKF: "the same, less the EKF's own time"}
 
 
 class _Own:
-    """Seconds that the EKF took in its own code, by the clock of the contest."""
+    """Seconds that code which is not amorsim's took, by the clock of the contest."""
 
     seconds = 0.0
     clock: Clock = staticmethod(time.perf_counter)
@@ -62,8 +64,11 @@ class Heading(am.Sensor):
 
 
 def _by_python(readings: Any, _estimate: Any, _clock: Any, speed: float = 0.1) -> tuple[float, float]:
-    """A user's controller: one robot, plain Python."""
-    return speed, 0.05 if readings["laser"].measured.min() > 0.3 else -0.05
+    """A user's controller: one robot, plain Python; it keeps count of its time."""
+    began = _Own.clock()
+    command = speed, 0.05 if readings["laser"].measured.min() > 0.3 else -0.05
+    _Own.seconds += _Own.clock() - began
+    return command
 
 
 def measure(rounds: int, quick: bool, peers: list[type[Peer]], clock: Clock, say: Callable[[str], None]) -> list[Row]:
@@ -77,11 +82,7 @@ def measure(rounds: int, quick: bool, peers: list[type[Peer]], clock: Clock, say
         say(f"compositions: {where}")
         sides = {name: _side(make, replicas) for name, make in _COMPOSITIONS.items()}
         with_peers = _contenders(peers, steps) if replicas == 1 else []
-        found: dict[str, list[float]] = {}
-        for name in sides:
-            found[name] = []
-            if name == _EKF:
-                found[_LESS] = []
+        found: dict[str, list[float]] = collections.defaultdict(list)
         theirs: list[list[float]] = [[] for _ in with_peers]
         at_least = 0.05 if quick else _AT_LEAST
         for number in range(rounds):
@@ -90,8 +91,8 @@ def measure(rounds: int, quick: bool, peers: list[type[Peer]], clock: Clock, say
                 _Own.seconds = 0.0
                 made = drive(side, steps, at_least, clock)
                 found[name].append(made.seconds / made.steps * 1e6)
-                if name == _EKF:
-                    found[_LESS].append((made.seconds - _Own.seconds) / made.steps * 1e6)
+                if name in _LESS:
+                    found[_LESS[name]].append((made.seconds - _Own.seconds) / made.steps * 1e6)
             for peer, times in zip(with_peers, theirs, strict=True):
                 times.append(peer.seconds_a_step(at_least, clock) * 1e6)
         plain = found[_PLAIN]
@@ -199,7 +200,7 @@ def _typical(robot: am.Robot) -> am.Robot:
 
 _COMPOSITIONS: Mapping[str, Callable[[am.Robot], Any]] = {
     _PLAIN: lambda robot: robot,
-    "a user's controller in Python": lambda robot: attrs.evolve(robot, controller=_by_python),
+    _PYTHON: lambda robot: attrs.evolve(robot, controller=_by_python),
     "a sensor of a plugin": lambda robot: attrs.evolve(robot, sensors=dict(robot.sensors) | {"heading": Heading()}),
     "two estimators": _estimators,
     "an obstacle, far away": _with_post,

@@ -59,8 +59,9 @@ def test_a_composition_goes_its_way_and_meets_nothing(name: str) -> None:
     assert not side.simulation.events
 
 
-def test_an_estimator_keeps_count_of_its_own_time() -> None:
-    side = compositions._side(compositions._COMPOSITIONS[compositions._EKF], 1)
+@pytest.mark.parametrize("name", list(compositions._LESS))
+def test_code_that_is_not_amorsim_s_keeps_count_of_its_time(name: str) -> None:
+    side = compositions._side(compositions._COMPOSITIONS[name], 1)
     compositions._Own.seconds = 0.0
     made = drive(side, 20, 0.0, time.perf_counter)
     assert 0.0 < compositions._Own.seconds < made.seconds
