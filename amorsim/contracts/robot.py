@@ -69,6 +69,11 @@ class Drive(Component, abc.ABC):
         A drive whose path is not that of a constant twist returns the mean twist and overrides `displacement`.
         """
 
+    @property
+    def goes_on_arcs(self) -> bool:
+        """Whether the path of a step is an arc of a circle: that of the twist, as `displacement` is not overridden."""
+        return type(self).displacement is Drive.displacement
+
     @abc.abstractmethod
     def command_for(self, twist: Array, joints: Array) -> Array:
         """The command `(N, c)` that moves the body with `twist` `(N, 3)` [m/s, m/s, rad/s], or as close as possible."""

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Drive, Joint, RobotModel
 from amorsim.core.errors import ComponentError, did_you_mean
+from amorsim.core.poses import exponential
 from amorsim.kernels.kinematics import odometry
 from amorsim.kernels.numbers import has_nan
 
@@ -79,9 +80,10 @@ def step_of(drive: Drive, before: Array, after: Array) -> Step:
         before, after = np.nan_to_num(before), np.nan_to_num(after)
     rolling = _rolling(drive.joints)
     radius = drive.rolling_radius()
-    displacement = np.ascontiguousarray(drive.displacement(before, after, _whole(len(after))))
+    whole, twist = _whole(len(after)), drive.twist(before, after)
+    displacement = exponential(twist, whole) if drive.goes_on_arcs else drive.displacement(before, after, whole)
     jacobian = _jacobian(drive, before, after, rolling, radius)
-    return Step(displacement, drive.twist(before, after), jacobian, before, after, rolling, radius)
+    return Step(np.ascontiguousarray(displacement), twist, jacobian, before, after, rolling, radius)
 
 
 def carry(step: Step, pose: Array, covariance: Array, variance: Any) -> Reckoned:

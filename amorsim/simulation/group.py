@@ -29,7 +29,7 @@ from amorsim.simulation.alike import channels_of, poses_of, reading_size, robot_
 from amorsim.simulation.beliefs import BeliefsNow, beliefs_of_step
 from amorsim.simulation.blame import Whose, is_finite, of_drive
 from amorsim.simulation.contact.moved_parts import Parts
-from amorsim.simulation.contact.sliding import arcs, bounds, displaced, goes_on_arcs, part_bounds
+from amorsim.simulation.contact.sliding import arcs, bounds, displaced, part_bounds
 from amorsim.simulation.controlling import Driver
 from amorsim.simulation.estimating import Estimators
 from amorsim.simulation.first_beliefs import BELIEF, first_beliefs
@@ -216,7 +216,7 @@ class Group:
     @of_drive
     def path(self) -> tuple[int, Array]:
         """The form of the paths and their parameters `(N, 3)`: arcs, except for drives that define other paths."""
-        if goes_on_arcs(self.drive):
+        if self.drive.goes_on_arcs:
             self._motion = ARC, arcs(self.drive, self.joints_before, self._ground_after, self._slide)
         else:
             self._motion = OTHER, self._moved(np.ones((self.rows, 1)))

@@ -8,14 +8,9 @@ import numpy.typing as npt
 from amorsim.contracts import Drive
 from amorsim.core.poses import compose, exponential
 
-__all__ = ["arcs", "bounds", "displaced", "goes_on_arcs", "part_bounds"]
+__all__ = ["arcs", "bounds", "displaced", "part_bounds"]
 
 Array = npt.NDArray[np.float64]
-
-
-def goes_on_arcs(drive: Drive) -> bool:
-    """Whether a drive's path in a step is an arc, given by its twist."""
-    return type(drive).displacement is Drive.displacement
 
 
 def arcs(drive: Drive, before: Array, after: Array, slide: Array | None) -> Array:
@@ -34,7 +29,7 @@ def displaced(drive: Drive, before: Array, after: Array, slide: Array | None, fr
     """
     if slide is None:
         return drive.displacement(before, after, fraction)
-    if goes_on_arcs(drive):
+    if drive.goes_on_arcs:
         return exponential(arcs(drive, before, after, slide), fraction)
     rolled = drive.displacement(before, after, fraction)
     half = exponential(0.5 * slide, fraction)

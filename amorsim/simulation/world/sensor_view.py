@@ -12,7 +12,6 @@ import numpy.typing as npt
 
 from amorsim.contracts import BodyStates, Emissions, FloorPoints, Lights, Neighbours, Sightings
 from amorsim.core.errors import ComponentError
-from amorsim.core.poses import compose
 from amorsim.core.shapes import Shape
 from amorsim.core.workers import Workers
 from amorsim.kernels.kinematics import poses
@@ -76,7 +75,8 @@ class GroupView:
     def pose(self) -> Array:
         """The true poses `(N, 3)` of the sensor's mount in the world."""
         if self._pose is None:
-            self._pose = compose(self.body_pose, self.mount)
+            self._pose = np.empty((self.rows, 3))
+            poses.compose(self.body_pose, self.mount, self._pose)
         return self._pose
 
     def cast(
