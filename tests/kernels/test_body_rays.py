@@ -64,14 +64,13 @@ class Scene:
         replica=0,
         range_max=math.inf,
         walls=math.inf,
-        least=False,
         asks=True,
         by=cast_bodies,
     ):
         origins = np.array(origins, dtype=float).reshape(-1, 3)
         bearings = np.atleast_2d(np.asarray(bearings, dtype=float))
         rows, beams = len(origins), bearings.shape[1]
-        out = np.broadcast_to(np.asarray(walls, dtype=float), (rows, 1 if least else beams)).copy()
+        out = np.broadcast_to(np.asarray(walls, dtype=float), (rows, beams)).copy()
         hit = np.full(out.shape, -1, dtype=np.int64)
         by(
             self.bodies,
@@ -403,8 +402,8 @@ def test_a_single_beam_has_the_bits_of_a_scan(spread, buckets):
 
 @pytest.mark.parametrize("spread", [1.0, 3.0, 40.0])
 @pytest.mark.parametrize("width", [0.02, 0.5, 3.0, math.pi, 3.3, 6.0])
-def test_a_cone_has_the_bits_of_its_beams(width, spread):
-    """Bodies aside of a cone are not looked at, from the wall on neither if the least of its beams counts."""
+def test_a_fan_has_the_bits_of_its_beams(width, spread):
+    """Bodies aside of it are not looked at."""
     scene, rng = random_scene(11, count=40, spread=spread)
     scan = fan(31, width, -0.5 * width)
     origins = np.c_[rng.uniform(-spread, spread, (100, 2)), rng.uniform(-4, 4, 100)]
@@ -414,8 +413,6 @@ def test_a_cone_has_the_bits_of_its_beams(width, spread):
     ranges, hits = scene.cast(origins, scan, **asked)
     np.testing.assert_array_equal(ranges, alone.reshape(100, 31))
     np.testing.assert_array_equal(hits, who.reshape(100, 31))
-    least, _ = scene.cast(origins, scan, **asked, least=True)
-    np.testing.assert_array_equal(least, ranges.min(axis=1, keepdims=True))
     assert (hits >= 0).any()
 
 
@@ -431,17 +428,6 @@ def test_a_bearing_that_is_nan_leaves_the_others_alone(place):
     np.testing.assert_array_equal(some[:, rest], ranges[:, rest])
     np.testing.assert_array_equal(who[:, rest], hits[:, rest])
     assert (hits >= 0).any()
-
-
-def test_one_column_gets_the_least_of_all_beams():
-    scene, rng = random_scene(9, count=12)
-    origins = np.c_[rng.uniform(-5, 5, (40, 2)), rng.uniform(-4, 4, 40)]
-    for scan in (fan(181, 0.5, -0.25), rng.uniform(-3, 3, 33)):
-        ranges, _ = scene.cast(origins, scan, range_max=2.0, walls=1.5)
-        least, hits = scene.cast(origins, scan, range_max=2.0, walls=1.5, least=True)
-        np.testing.assert_array_equal(least[:, 0], ranges.min(axis=1))
-        assert ((hits[:, 0] >= 0) == (least[:, 0] < 1.5)).all()
-        assert 3 < (hits >= 0).sum() < 38
 
 
 @pytest.mark.parametrize("scan", [fan(181), np.linspace(-math.pi, math.pi, 90), fan(33)[::-1]])

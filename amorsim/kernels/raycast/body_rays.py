@@ -90,17 +90,15 @@ def _lower(found: Floats, limit: float, ranges: Floats) -> None:
 
 
 @part
-def _lower_and_tell(found: Floats, limit: float, body: int, stride: int, ranges: Floats, hit: Ints) -> None:
+def _lower_and_tell(found: Floats, limit: float, body: int, ranges: Floats, hit: Ints) -> None:
     for b in range(found.shape[0]):
-        k = b * stride
         if found[b] <= limit:
             # In whatever order bodies come, the same one wins.
-            if found[b] < ranges[k]:
-                ranges[k] = found[b]
-                if hit.shape[0] > 0:
-                    hit[k] = body
-            elif hit.shape[0] > 0 and found[b] == ranges[k] and body < hit[k]:
-                hit[k] = body
+            if found[b] < ranges[b]:
+                ranges[b] = found[b]
+                hit[b] = body
+            elif found[b] == ranges[b] and body < hit[b]:
+                hit[b] = body
 
 
 @part
@@ -137,7 +135,6 @@ def _meet_bodies(
 ) -> None:
     """Let a scan meet the bodies gathered in `which` and `near`."""
     count = beams.shape[1]
-    stride = 1 if ranges.shape[0] == count else 0
     for c in range(which.shape[0]):
         away = near[_AWAY, c]
         circle = near[_CIRCLE, c]
@@ -154,18 +151,17 @@ def _meet_bodies(
                 start = 0
         while True:
             # Beams at either end that have met something nearer already.
-            while start < stop and ranges[start * stride] <= away - circle:
+            while start < stop and ranges[start] <= away - circle:
                 start += 1
-            while start < stop and ranges[(stop - 1) * stride] <= away - circle:
+            while start < stop and ranges[stop - 1] <= away - circle:
                 stop -= 1
             if start < stop:
                 j = which[c]
                 meet_body(bodies, j, body_pose[j], near[_X, c], near[_Y, c], edges, beams, start, stop)
-                if stride == 1 and hit.shape[0] == 0:
+                if hit.shape[0] == 0:
                     _lower(beams[FOUND, start:stop], limit, ranges[start:stop])
                 else:
-                    place = start * stride
-                    _lower_and_tell(beams[FOUND, start:stop], limit, j, stride, ranges[place:], hit[place:])
+                    _lower_and_tell(beams[FOUND, start:stop], limit, j, ranges[start:stop], hit[start:stop])
             if resume >= count:
                 break
             start = resume
@@ -182,12 +178,11 @@ def _bounds(beams: Floats, ranges: Floats, limit: float, box: Floats) -> None:
     """
     count = beams.shape[1]
     box[:] = 0.0
-    stride = 1 if ranges.shape[0] == count else 0
     for first in range(0, count, _WIDE):
         for b in range(_WIDE):
             # The last ones again where their number is no multiple of eight.
             k = min(first, max(count - _WIDE, 0)) + min(b, count - 1)
-            far = ranges[k * stride]
+            far = ranges[k]
             far = far if far < limit else limit
             x = far * beams[DX, k]
             y = far * beams[DY, k]
@@ -270,12 +265,10 @@ def _cast_rows(
         limit = range_max[min(i, range_max.shape[0] - 1)]
         origin_x = origins[i, 0]
         origin_y = origins[i, 1]
-        # Where the least of the beams counts, nothing farther than what they met so far does.
-        reach = min(limit, out[i, 0]) if out.shape[1] == 1 else limit
         cos_h = math.cos(origins[i, 2])
         sin_h = math.sin(origins[i, 2])
         eye = _Eye(origin_x, origin_y, cos_h, sin_h)
-        if not _has_company(table, replica[i], own[i], eye, cos_w, sin_w, reach, widest):
+        if not _has_company(table, replica[i], own[i], eye, cos_w, sin_w, limit, widest):
             continue
         for b in range(beams.shape[1]):
             beams[DX, b] = cos_h * cos_b[beam_row, b] - sin_h * sin_b[beam_row, b]
@@ -370,7 +363,7 @@ def cast_bodies(
     range_max
         Beyond which nothing is seen [m], (1 or N,).
     out
-        In: ranges so far [m], inf for none; out: the lower ones, (N, k), or the least of each row's, (N, 1).
+        In: ranges so far [m], inf for none; out: the lower ones, (N, k).
     hit
         In: -1; gets the body's index where it lowered a range, int64, as `out`. Not written if it has no columns.
     """

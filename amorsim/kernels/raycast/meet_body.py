@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from amorsim.kernels.collision.footprints import Bodies, place_body
 from amorsim.kernels.compile import part
 
-__all__ = ["BEAM_ROWS", "DX", "DY", "FOUND", "meet_body"]
+__all__ = ["BEAM_ROWS", "DX", "DY", "FOUND", "meet_body", "meet_part", "place_to_meet"]
 
 Floats = NDArray[np.float64]
 
@@ -98,28 +98,43 @@ def _meet_rounded(edges: Floats, first: int, last: int, radius: float, dx: Float
 
 
 @part
+def meet_part(edges: Floats, first: int, last: int, radius: float, beams: Floats, start: int, stop: int) -> None:
+    """Lower what beams start..stop-1 found to where they meet a convex part, rounded by `radius` [m], of a placed body.
+
+    Vertices first..last-1 of the body are the part's; `edges` as `place_body` writes them.
+    """
+    dx = beams[DX, start:stop]
+    dy = beams[DY, start:stop]
+    found = beams[FOUND, start:stop]
+    if radius == 0.0:
+        _meet_polygon(edges, first, last, dx, dy, beams[_ENTERS, start:stop], beams[_LEAVES, start:stop], found)
+    elif last - first == 1:
+        _meet_disc(edges[first, 0], edges[first, 1], radius, dx, dy, found)
+    else:
+        _meet_rounded(edges, first, last, radius, dx, dy, found)
+
+
+@part
+def place_to_meet(bodies: Bodies, body: int, pose: Floats, x: float, y: float, edges: Floats) -> None:
+    """Write the `edges` of a body at (x, y) [m], as `place_body` does; a disc about its base is turned by nothing."""
+    first, last = bodies.part_first[body], bodies.part_first[body + 1]
+    base = bodies.vertex_first[first]
+    if bodies.vertex_first[last] == base + 1 and bodies.vertices[base, 0] == 0.0 == bodies.vertices[base, 1]:
+        edges[0] = 0.0
+        edges[0, 0], edges[0, 1] = x, y
+    else:
+        place_body(bodies, body, x, y, math.cos(pose[2]), math.sin(pose[2]), edges)
+
+
+@part
 def meet_body(
     bodies: Bodies, body: int, pose: Floats, x: float, y: float, edges: Floats, beams: Floats, start: int, stop: int
 ) -> None:
     """Write where beams start..stop-1 from the origin meet a body at (x, y) [m]; inf if they miss."""
-    dx = beams[DX, start:stop]
-    dy = beams[DY, start:stop]
-    found = beams[FOUND, start:stop]
-    found[:] = math.inf
-    radius = bodies.radius[body]
-    first_part = bodies.part_first[body]
-    last_part = bodies.part_first[body + 1]
-    base = bodies.vertex_first[first_part]
-    if bodies.vertex_first[last_part] == base + 1 and bodies.vertices[base, 0] == 0.0 == bodies.vertices[base, 1]:
-        _meet_disc(x, y, radius, dx, dy, found)  # which way it is turned does not matter
-        return
-    place_body(bodies, body, x, y, math.cos(pose[2]), math.sin(pose[2]), edges)
-    for piece in range(first_part, last_part):
+    beams[FOUND, start:stop] = math.inf
+    place_to_meet(bodies, body, pose, x, y, edges)
+    base = bodies.vertex_first[bodies.part_first[body]]
+    for piece in range(bodies.part_first[body], bodies.part_first[body + 1]):
         first = bodies.vertex_first[piece] - base
         last = bodies.vertex_first[piece + 1] - base
-        if radius == 0.0:
-            _meet_polygon(edges, first, last, dx, dy, beams[_ENTERS, start:stop], beams[_LEAVES, start:stop], found)
-        elif last - first == 1:
-            _meet_disc(edges[first, 0], edges[first, 1], radius, dx, dy, found)
-        else:
-            _meet_rounded(edges, first, last, radius, dx, dy, found)
+        meet_part(edges, first, last, bodies.radius[body], beams, start, stop)

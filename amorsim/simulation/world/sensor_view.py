@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -20,9 +20,7 @@ from amorsim.kernels.raycast import bresenham, cones
 from amorsim.simulation.world.bumper_contacts import find_touched
 from amorsim.simulation.world.in_sight import cast_walls, find_landmarks, look_about, normals_at
 from amorsim.simulation.world.neighbourhood import neighbours_of
-
-if TYPE_CHECKING:
-    from amorsim.simulation.world.world import World
+from amorsim.simulation.world.world import CONE_WORK, World
 
 __all__ = ["GroupView", "cone_bearings", "directions_of"]
 
@@ -32,7 +30,6 @@ Table = tuple[Array, Array]  # cosines and sines of beams, (1, k) or one row for
 
 _NO_RAYS: Ints = np.empty(0, dtype=np.int64)  # for calls that do not need which ray is the nearest
 
-CONE_WORK = 16  # cost of a cone, in rays
 CONE_STEP = math.radians(0.05)  # the definition of a sonar's reading: rays at most this far apart
 
 
@@ -230,7 +227,7 @@ class GroupView:
             here, there, table, reach = origins[which], replica[which], _cone_directions(angle), limits[which]
             found = self._hear_walls(there, here, angle, *table, reach, _NO_RAYS)
             if self._world.has_company:
-                self._world.cast(own[which], there, here, *table, reach, found[:, None])
+                self._world.hear(own[which], there, here, angle, *table, reach, found)
             out[which] = found
         return out.reshape(self.rows, per_row)
 

@@ -17,16 +17,19 @@ from amorsim.kernels.collision import footprints as body_kernels
 from amorsim.kernels.collision.body_hash import BodyHash
 from amorsim.kernels.collision.broad_phase import Clearance
 from amorsim.kernels.collision.footprints import Bodies
-from amorsim.kernels.raycast import body_beams, body_rays
+from amorsim.kernels.raycast import body_beams, body_cones, body_rays
 from amorsim.simulation.world.surroundings import Surroundings
 from amorsim.simulation.world.terrain import Terrain
 
-__all__ = ["Emitted", "World", "empty_hash"]
+__all__ = ["CONE_WORK", "Emitted", "World", "empty_hash"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-_GAP_WORK = 8  # cost of one gap to the walls, in rays
+CONE_WORK = 16
+"""Cost of a cone, in rays."""
+
+_GAP_WORK = 8  # of one gap to the walls
 
 FEW = 16
 """Up to this number of bodies, a replica needs no hash: all are compared."""
@@ -220,9 +223,8 @@ class World:
     ) -> None:
         """Lower `out` where another body of the same replica is nearer; see `body_rays.cast_bodies`.
 
-        With `out` `(N, 1)` and beams `(1 or N, k)` each row gets the minimum of its beams. `hit`, if given, is like
-        `out`, is filled with -1, and gets the body that a beam hits. A robot `own` `(N,)` sees neither itself nor its
-        parts.
+        `hit`, if given, is like `out`, is filled with -1, and gets the body that a beam hits. A robot `own` `(N,)` sees
+        neither itself nor its parts.
         """
         bodies, poses, edge_rows, table, widest = self.met()
         cast = body_beams.cast_beams if cos_b.shape[1] == 1 else body_rays.cast_bodies
@@ -247,8 +249,41 @@ class World:
 
         self.workers.share(len(origins), cos_b.shape[1], part)
 
+    def hear(
+        self,
+        own: Ints,
+        replica: Ints,
+        origins: Array,
+        half_angle: float,
+        cos_b: Array,
+        sin_b: Array,
+        range_max: Array,
+        out: Array,
+    ) -> None:
+        """Lower `out` `(N,)` where another body in a cone is nearer; see `body_cones.nearest_bodies`."""
+        bodies, poses, edge_rows, table, widest = self.met()
+
+        def part(a: int, b: int) -> None:
+            body_cones.nearest_bodies(
+                bodies,
+                poses,
+                edge_rows,
+                table,
+                widest,
+                replica[a:b],
+                own[a:b],
+                origins[a:b],
+                half_angle,
+                cos_b,
+                sin_b,
+                range_max[a:b],
+                out[a:b],
+            )
+
+        self.workers.share(len(origins), CONE_WORK, part)
+
     def met(self) -> tuple[Bodies, Array, int, BodyHash, float]:
-        """The bodies at their present poses, as arguments of `body_rays.cast_bodies`."""
+        """The bodies at their present poses, as the kernels that look for them take them."""
         return self.bodies, self.poses, self.edge_rows, self.by_place(self.poses), self.widest
 
 
