@@ -79,6 +79,7 @@ _OTHERS: dict[str, tuple[Check, str]] = {
     "format": (lambda value: type(value) is int and value == FORMAT, f"{FORMAT}, the format that this amorsim reads,"),
     "duration": (lambda value: is_number(value, below=_FAR), "a number [s]"),
     "inputs": (_are_inputs, "a table of fingerprints, by the names of files in the folder"),
+    "changes_before": (_is_whole, f"a whole number >= 0 and <= {MOST_STEPS}"),
     "amorsim": (_is_text, "a text"),
     "python": (_is_text, "a text"),
     "processor": (_is_text, "a text"),

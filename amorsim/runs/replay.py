@@ -22,13 +22,22 @@ _CHANGES = ("parameter_set", "pose_set", "handed_over")
 class Replay:
     """The outside inputs of a recorded run, to be given to a simulation before each of its steps.
 
+    Parameters
+    ----------
+    simulation
+        At its start.
+    folder
+        Of the run.
+    before
+        How many changes were made before it was recorded: they are made here, so that its start shows them.
+
     Raises
     ------
     RunError
         From each method, if a file of the run is damaged; it names file, line and column.
     """
 
-    def __init__(self, simulation: Simulation, folder: Path) -> None:
+    def __init__(self, simulation: Simulation, folder: Path, before: int = 0) -> None:
         self._simulation = simulation
         self._changes: dict[int, list[Line]] = {}
         handed = set()
@@ -42,6 +51,10 @@ class Replay:
         self._by_hand = by_hand | handed
         self._lines = read_lines(folder / "commands.csv") if self._by_hand else iter(())
         self._next = next(self._lines, None)
+        at_start = self._changes.get(0, [])
+        for line in at_start[:before]:
+            self._change(line)
+        del at_start[:before]
 
     def give(self) -> None:
         """Give the recorded inputs that came before the simulation's next step."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Sequence
 
+from amorsim.core.interrupt import Interrupt
 from amorsim.kernels.cache_folder import mark_warm
 from amorsim.runs.folder import new_folder
-from amorsim.runs.interrupt import Interrupt
 from amorsim.runs.session import RunSession, RunSummary, steps_of
 from amorsim.scenario.read import load
 from amorsim.scenario.spec import Scenario
@@ -60,14 +60,7 @@ def run(
     steps = steps_of(simulation, duration)
     with Interrupt() as interrupt, RunSession(simulation, folder, duration=duration) as session:
         for done in range(1, steps + 1):
-            interrupt.is_stepping = True
-            try:
-                simulation.step()
-            except KeyboardInterrupt as error:
-                interrupt.explain(error)
-                raise
-            finally:
-                interrupt.is_stepping = False
+            interrupt.call(simulation.step)
             session.keep()
             if done == 1:
                 mark_warm()

@@ -121,6 +121,7 @@ class RunSession:
         self._has_lost_lines = False  # whether text files end before the simulation did
         self._process, self._here = os.getpid(), present_folder()
         self._events = 0  # number of the simulation's events that have been written
+        self._starts = simulation._starts
         self._started = time.perf_counter()
         self._registry = default_registry()
         # Each run has recorders of its own, because they hold files.
@@ -137,6 +138,7 @@ class RunSession:
             "duration": duration,
             "steps": planned,
             "inputs": {},
+            "changes_before": len(simulation.events),
             **fingerprints_of_worlds(simulation),
             **circumstances(),
         }
@@ -185,6 +187,11 @@ class RunSession:
             raise RunError(
                 f"{self.folder}: expected one step after tick {self.steps}, the last that was kept, got tick "
                 f"{', '.join(map(str, sorted(set(ticks.tolist()))[:5]))}; call keep() after every step"
+            )
+        if simulation._starts != self._starts:
+            raise RunError(
+                f"{self.folder}: the simulation was reset or restored while it was recorded, which no file can say; "
+                "record each episode into a folder of its own, of a new simulation"
             )
         events = simulation.events
         frames, obstacles = simulation.frames(), simulation.obstacle_frames()

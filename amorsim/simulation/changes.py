@@ -79,7 +79,8 @@ def set_parameter(fleet: Fleet, handles: Sequence[RobotHandle], path: str, value
 
 def with_other_chain(fleet: Fleet, name: str, path: str, given: Any) -> Fleet:
     """A fleet at the same moment in which a robot has another chain of noise at `path`, in all replicas."""
-    robot = RobotHandle(*fleet.robot_row(name, 0)).nominal
+    group, row = fleet.robot_row(name, 0)
+    robot = group.specified[row]
     elements = read_elements(robot, path, given)
     tables = tables_of(with_chain(robot, path, elements), path)
     try:
@@ -87,7 +88,8 @@ def with_other_chain(fleet: Fleet, name: str, path: str, given: Any) -> Fleet:
     except (ComponentError, ScenarioError) as error:
         raise AmorsimError(f"robot {name!r}, {path}: {error}") from None
     for index in range(len(changed.replicas)):
-        _log(changed, RobotHandle(*changed.robot_row(name, index)), "parameter_set", path, tables)
+        handle = RobotHandle(lambda: changed, changed.body_of(name, index))
+        _log(changed, handle, "parameter_set", path, tables)
     return changed
 
 

@@ -221,9 +221,13 @@ class Fleet:
                 return group, row
         raise LookupError(body)
 
+    def body_of(self, name: str, index: int) -> int:
+        """The body of a robot or an obstacle in the replica of that index."""
+        return int(self.world.first[index]) + self.world.names.index(name)
+
     def robot_row(self, name: str, index: int) -> tuple[Group, int]:
         """The group and row of a robot in the replica of that index."""
-        group, row = self.row_of(index * self.world.count + self.names.index(name))
+        group, row = self.row_of(self.body_of(name, index))
         assert isinstance(group, Group)
         return group, row
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -16,6 +16,7 @@ from amorsim.core.trouble import in_words
 
 if TYPE_CHECKING:
     from amorsim.scenario.spec import Robot
+    from amorsim.simulation.fleet import Fleet
     from amorsim.simulation.group import Group
     from amorsim.simulation.obstacles import ObstacleGroup
 
@@ -60,12 +61,41 @@ class Readings(Mapping[str, Reading]):
         return len(self._group.sensors)
 
 
-class RobotHandle:
+class _Handle:
+    """A body of a simulation; resets and changes may give that another fleet, so it is looked up in the present one.
+
+    Parameters
+    ----------
+    fleet
+        Returns the fleet that the simulation has now.
+    body
+        The body's index, the same in all of them.
+    """
+
+    def __init__(self, fleet: Callable[[], Fleet], body: int) -> None:
+        self._present = fleet
+        self._body = body
+        self._fleet: Fleet | None = None  # in which it was looked up
+        self._place: tuple[Any, int] = None, 0
+
+    def _find(self) -> tuple[Any, int]:
+        fleet = self._present()
+        if fleet is not self._fleet:
+            self._fleet, self._place = fleet, fleet.row_of(self._body)
+        return self._place
+
+    @property
+    def _row(self) -> int:
+        return self._find()[1]
+
+
+class RobotHandle(_Handle):
     """One robot in one replica. Its values are those of the present step; read them again after the next."""
 
-    def __init__(self, group: Group, row: int) -> None:
-        self._group = group
-        self._row = row
+    @property
+    def _group(self) -> Group:
+        group: Group = self._find()[0]
+        return group
 
     def __repr__(self) -> str:
         x, y, heading = self.true_pose
@@ -209,12 +239,13 @@ class RobotHandle:
             group.driver.state["command"][self._row] = rates
 
 
-class ObstacleHandle:
+class ObstacleHandle(_Handle):
     """One obstacle in one replica. Its values are those of the present step; read them again after the next."""
 
-    def __init__(self, group: Group | ObstacleGroup, row: int) -> None:
-        self._group = group
-        self._row = row
+    @property
+    def _group(self) -> ObstacleGroup:
+        group: ObstacleGroup = self._find()[0]
+        return group
 
     @property
     def true_pose(self) -> Array:

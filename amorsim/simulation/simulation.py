@@ -11,6 +11,7 @@ import numpy.typing as npt
 from amorsim.contracts import Frame, ObstacleFrame
 from amorsim.core.arguments import check_kind, real, whole
 from amorsim.core.errors import AmorsimError, did_you_mean
+from amorsim.core.interrupt import Interrupt
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.core.trouble import in_words
@@ -77,12 +78,15 @@ class Simulation:
         seed = checked_seed(scenario.seed if seed is None else seed)
         self.scenario = loaded(scenario)
         self._terrains = Terrains(self.replicas)
+        self._starts = 0  # how often it was made, reset or restored
         self._build(seed)
 
     def _build(self, seed: int, scenario: Scenario | None = None) -> None:
         self._fleet = Fleet(scenario or self.scenario, seed, self.replicas, self.threads, self._terrains)
         # Recorders keep the groups of the beginning, whatever chains robots come to have.
         self._partition = tuple(tuple(group.names) for group in self._fleet.groups)
+        self._starts += 1
+        self._is_within_step = False  # stays true of a step that was broken off
         phases.first_look(self._fleet)
 
     def __repr__(self) -> str:
@@ -110,10 +114,23 @@ class Simulation:
     # ---------------------------------------------------------------------------------------------------- stepping
 
     def step(self) -> None:
-        """Simulate one step: the `PHASES` in order, after robots that are kidnapped now were carried away."""
+        """Simulate one step: the `PHASES` in order, after robots that are kidnapped now were carried away.
+
+        Raises
+        ------
+        AmorsimError
+            If the step before was broken off: by Ctrl-C, or by an error of a component.
+        """
+        if self._is_within_step:
+            raise AmorsimError(
+                f"the step after {float(self._fleet.ticks[0]) * self.dt:g} s was broken off, so some robots have made "
+                "half of it; expected restore(snapshot), reset() or a new simulation before the next step"
+            )
+        self._is_within_step = True
         if self._fleet.kidnappings:
             self._kidnap()
         phases.step(self._fleet)
+        self._is_within_step = False
 
     def _kidnap(self) -> None:
         for index, tick in enumerate(self._fleet.ticks.tolist()):
@@ -130,6 +147,9 @@ class Simulation:
         self, duration: float | None = None, *, keep: Iterable[str] | None = None
     ) -> dict[str, npt.NDArray[Any]] | None:
         """Step for `duration` [s]; without it, for the scenario's duration.
+
+        Ctrl-C, or the stop of a notebook, raises `KeyboardInterrupt` after the present step, so `run` can go on from
+        there. A controller or plugin that does not return is broken off at once.
 
         ::
 
@@ -152,15 +172,15 @@ class Simulation:
             the arrays would not fit into memory, before any step is made.
         """
         steps = self.steps_of(self.scenario.duration if duration is None else duration)
-        if keep is None:
+        keeper = None if keep is None else Keeper(self, keep, steps)
+        with Interrupt() as interrupt:
             for _ in range(steps):
-                self.step()
-            return None
-        keeper = Keeper(self, keep, steps)
-        for _ in range(steps):
-            self.step()
-            keeper.keep()
-        return keeper.arrays
+                interrupt.call(self.step)
+                if keeper is not None:
+                    keeper.keep()
+                if interrupt.is_wanted:
+                    raise KeyboardInterrupt
+        return None if keeper is None else keeper.arrays
 
     def steps_of(self, duration: float) -> int:
         """The number of steps in a duration [s], rounded up.
@@ -258,7 +278,7 @@ class Simulation:
         if not isinstance(name, str) or name not in self.names:
             known = ", ".join(self.names)
             raise AmorsimError(f"there is no robot {in_words(name)}, but: {known}.{did_you_mean(name, self.names)}")
-        return RobotHandle(*self._fleet.robot_row(name, self._replica_index(replica)))
+        return RobotHandle(lambda: self._fleet, self._fleet.body_of(name, self._replica_index(replica)))
 
     def obstacle(self, name: str, replica: int | None = None) -> ObstacleHandle:
         """One obstacle; `replica` as for `robot`."""
@@ -266,8 +286,7 @@ class Simulation:
         if not isinstance(name, str) or name not in names:
             known = ", ".join(names) or "none"
             raise AmorsimError(f"there is no obstacle {in_words(name)}, but: {known}.{did_you_mean(name, names)}")
-        first = int(self._fleet.world.first[self._replica_index(replica)])
-        return ObstacleHandle(*self._fleet.row_of(first + len(self.names) + names.index(name)))
+        return ObstacleHandle(lambda: self._fleet, self._fleet.body_of(name, self._replica_index(replica)))
 
     def map_of(self, replica: int | None = None) -> Map:
         """The map of a replica; `replica` as for `robot`. Replicas have different ones if the scenario draws them."""
@@ -320,7 +339,7 @@ class Simulation:
 
         ``"sensors.laser.noise"`` and ``"ground"`` take a whole chain, in all replicas: a list of noises or of tables as
         in files, ``[{"use": "gaussian", "std": 0.01}]``. Elements that stay keep their states, and no other draws
-        change. Handles to robots and `keep_stages` end with it: take new ones.
+        change. `keep_stages` ends with it: take a new one.
         """
         if not is_chain(path):
             numbers = self.replicas if replica is None else (replica,)
@@ -355,8 +374,9 @@ class Simulation:
     def reset(self, seed: int | None = None, replicas: Sequence[int] | None = None) -> None:
         """Start all replicas again, or those with the given numbers.
 
-        With a `seed`, everything starts from it, as in a new simulation. Without one, a new episode begins, whose
-        draws differ from those of earlier episodes. Parameters that were set stay set.
+        With a `seed`, everything starts from it, as in a new simulation, without the changes that were made to this
+        one. Without a seed a new episode begins, whose draws differ from those of earlier episodes, and parameters that
+        were set stay set.
         """
         if seed is not None:
             if replicas is not None:
@@ -367,6 +387,8 @@ class Simulation:
         again = np.zeros(len(self.replicas), dtype=bool)
         again[list(chosen)] = True
         begin_episode(self._fleet, again)
+        self._starts += 1
+        self._is_within_step &= not again.all()
 
     def snapshot(self) -> Snapshot:
         """A copy of all that changes, for `restore`.
@@ -394,6 +416,8 @@ class Simulation:
         if snapshot.seed != self.seed:
             self._build(snapshot.seed, fleet.scenario)
         put_back(self._fleet, snapshot, np.ones(len(self.replicas), dtype=bool))
+        self._starts += 1
+        self._is_within_step = False
         self._fleet.events = list(snapshot.events)
 
     # -------------------------------------------------------------------------------------------------- a picture

@@ -47,6 +47,33 @@ def test_replicas_reproduce(study: Path, tmp_path: Path) -> None:
     assert am.reproduce(tmp_path / "run").is_exact
 
 
+def test_changes_before_the_recording_are_made_before_it_again(study: Path, tmp_path: Path) -> None:
+    """And those after its start, at the same tick, after it."""
+    simulation = am.Simulation(am.load(study))
+    simulation.set_pose("rover", (2.0, 3.0, 0.5))
+    with am.record(simulation, tmp_path / "run") as session:
+        simulation.set_pose("rover", (2.5, 3.0, 1.0))
+        for _ in range(5):
+            simulation.step()
+            session.keep()
+    outcome = am.reproduce(tmp_path / "run")
+    assert outcome.is_exact, str(outcome)
+
+
+@pytest.mark.parametrize("how", ["reset", "reset to a seed", "restore"])
+def test_what_begins_again_cannot_be_recorded(study: Path, tmp_path: Path, how: str) -> None:
+    simulation = am.Simulation(am.load(study))
+    snapshot = simulation.snapshot()
+    session = am.record(simulation, tmp_path / "run")
+    if how == "restore":
+        simulation.restore(snapshot)
+    else:
+        simulation.reset(3 if how == "reset to a seed" else None)
+    simulation.step()
+    with pytest.raises(am.RunError, match=r"reset or restored while it was recorded.*a folder of its own"):
+        session.keep()
+
+
 def test_what_a_hand_did_is_done_again(study: Path, tmp_path: Path) -> None:
     simulation = am.Simulation(am.load(study, ["robots.0.controller.use=manual"]), replicas=[3, 7])
     simulation.set("rover", "errors.drive.track.scale", np.float64(1.05))

@@ -7,6 +7,7 @@ import signal
 import sys
 import threading
 import traceback
+from collections.abc import Callable
 from pathlib import Path
 from types import FrameType, TracebackType
 
@@ -51,6 +52,17 @@ class Interrupt:
             self._installed = True
         return self
 
+    def call(self, step: Callable[[], None]) -> None:
+        """Make a step of the run; the error for code that was broken off in it says where."""
+        self.is_stepping = True
+        try:
+            step()
+        except KeyboardInterrupt as error:
+            self._explain(error)
+            raise
+        finally:
+            self.is_stepping = False
+
     def _note(self, number: int, frame: FrameType | None) -> None:
         if self._is_ours:
             self._is_ours = False
@@ -84,7 +96,7 @@ class Interrupt:
             return []
         return users_lines(stack)
 
-    def explain(self, error: KeyboardInterrupt) -> None:
+    def _explain(self, error: KeyboardInterrupt) -> None:
         """Add to an error the place in the user's code where it occurred."""
         lines = users_lines(traceback.extract_tb(error.__traceback__))
         if lines:
