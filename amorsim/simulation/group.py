@@ -336,22 +336,22 @@ class Group:
         return (self.joints - self.joints_before) / self.dt
 
     def frame(self) -> Frame:
-        """The step for recorders."""
+        """The step for recorders, in copies: a recorder that writes into an array moves no robot."""
         clock = self.row_clock
         parts = self.drive.parts
         return Frame(
             names=self.names,
             replica=clock.replica,
-            tick=clock.tick.ravel(),
-            time=clock.time.ravel(),
-            true_pose=self.true_pose,
-            true_twist=self.true_twist,
+            tick=clock.tick.flatten(),
+            time=clock.time.flatten(),
+            true_pose=self.true_pose.copy(),
+            true_twist=self.true_twist.copy(),
             joint_names=[joint.name for joint in self.drive.joints],
             joint_rates=self.mean_rates,
-            estimates=self.estimates.copy(),
-            readings={name: (unit.true, unit.reading) for name, unit in self.sensors.items()},
+            estimates={name: Estimate(its.pose.copy(), its.covariance.copy()) for name, its in self.estimates.items()},
+            readings={name: (unit.true.copy(), unit.reading) for name, unit in self.sensors.items()},
             channels=self.channels,
-            command=self.command,
+            command=self.command.copy(),
             robot=self.robot,
             parts=tuple(part.name for part in parts),
             part_pose=np.empty((self.rows, 0, 3)) if self.parts is None else self.parts.per_robot,

@@ -50,7 +50,7 @@ class Readings(Mapping[str, Reading]):
             known = ", ".join(sensors) or "none"
             raise KeyError(f"there is no sensor {name!r}, but: {known}.{did_you_mean(name, sensors)}")
         held = sensors[name]
-        whole = (held.true, held.measured, held.stamp, held.reading.age, held.reading.fresh)
+        whole = (held.true, held.measured, held.stamp, held.age, held.fresh)
         parts = whole if self._row is None else tuple(part[self._row] for part in whole)
         return Reading(*(_read_only(part) for part in parts))
 

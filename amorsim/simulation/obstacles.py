@@ -112,10 +112,10 @@ class ObstacleGroup:
         return ObstacleFrame(
             names=self.names,
             replica=self.row_clock.replica,
-            tick=self.row_clock.tick[:, 0],
-            time=self.row_clock.time[:, 0],
-            true_pose=self.true_pose,
-            true_twist=self.true_twist,
+            tick=self.row_clock.tick.flatten(),
+            time=self.row_clock.time.flatten(),
+            true_pose=self.true_pose.copy(),
+            true_twist=self.true_twist.copy(),
             moves=self.motion is not None,
         )
 

@@ -51,6 +51,13 @@ def look(ask: Callable[[Any, Any], Any]) -> am.Simulation:
         (lambda view, aim: view.look(view.pose, [0.0], FAR), r"view\.look: bearings: .* \[rad\], got \[0\.0\]"),
         (lambda view, aim: view.normals(aim, AHEAD, NOBODY), r"view\.normals: origins: expected poses in the world"),
         (
+            lambda view, aim: view.normals(view.pose, AHEAD, np.full((1, 1), 10**7)),
+            r"view\.normals: bodies: .* \(1, 1\) of numbers from -1 to 0, got an array of shape \(1, 1\)",
+        ),
+        (lambda view, aim: view.normals(view.pose, AHEAD, np.full((1, 1), -2)), r"normals: bodies: .* from -1 to 0"),
+        (lambda view, aim: view.normals(view.pose, AHEAD, np.zeros((1, 2), int)), r"got an array of shape \(1, 2\)"),
+        (lambda view, aim: view.normals(view.pose, AHEAD, np.zeros((1, 1))), r"normals: bodies: expected the body"),
+        (
             lambda view, aim: view.cast(view.pose, AHEAD, FAR, row=[0]),
             r"view\.cast: row: .* array \(1,\) of numbers from",
         ),

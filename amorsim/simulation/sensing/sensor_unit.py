@@ -80,8 +80,8 @@ class SensorUnit:
 
     @property
     def reading(self) -> Measurement:
-        """The current reading, as the robot receives it."""
-        return Measurement(self.measured, self.stamp, self.age, self.fresh)
+        """The current reading, as the robot receives it: a copy, as its software may write into it."""
+        return Measurement(self.measured.copy(), self.stamp, self.age, self.fresh)
 
     def set_parameters(self, true: Sequence[MountedSensor], dt: float) -> None:
         """Take the true parameters of every row, and the chains, rates and latencies."""
@@ -157,7 +157,8 @@ class SensorUnit:
     def corrupted(self, sample: Sample) -> Array:
         """The values of a sample after the chain."""
         self.check(sample.values, "sense()")
-        measured = self.chain.corrupt(sample.values, sample.side, sample.elapsed)
+        # Of a copy: an element may write into what it is given, and the sample is the truth.
+        measured = self.chain.corrupt(sample.values.copy(), sample.side, sample.elapsed)
         self.check_noise(measured)
         return measured
 

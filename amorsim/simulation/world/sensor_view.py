@@ -166,6 +166,12 @@ class GroupView:
         """The normals of bodies where beams enter them; see `amorsim.contracts.View.normals`."""
         own, _ = self._carried("normals", origins, row)
         _check_bearings("normals", bearings, origins)
+        count, shape = self._world.count, (len(origins), np.shape(bearings)[1])
+        if not _are_indices(bodies, shape, -1, count):
+            raise ComponentError(
+                f"view.normals: bodies: expected the body that each beam enters, as `look` gives them, an int64 array "
+                f"{shape} of numbers from -1 to {count - 1}, got {_in_words(bodies)}"
+            )
         return normals_at(self._world, own, origins, bearings, bodies)
 
     def touches(self, zones: Sequence[Shape], which: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
@@ -293,7 +299,7 @@ class GroupView:
                 f"got {_in_words(origins)}"
             )
         if row is not None:
-            if not _are_indices(row, len(origins), self.rows):
+            if not _are_indices(row, (len(origins),), 0, self.rows):
                 raise ComponentError(
                     f"view.{asked}: row: expected the row of each origin, an int64 array ({len(origins)},) of numbers "
                     f"from 0 to {self.rows - 1}, got {_in_words(row)}"
@@ -332,10 +338,11 @@ def _check_bearings(asked: str, bearings: Any, origins: Array) -> None:
         )
 
 
-def _are_indices(row: Any, count: int, rows: int) -> bool:
-    if not isinstance(row, np.ndarray) or row.dtype != np.int64 or row.shape != (count,):
+def _are_indices(values: Any, shape: tuple[int, ...], first: int, end: int) -> bool:
+    """Whether these are an array of that shape, of whole numbers from `first` to `end` - 1."""
+    if not isinstance(values, np.ndarray) or values.dtype != np.int64 or values.shape != shape:
         return False
-    return all_indices(np.ascontiguousarray(row), rows)
+    return all_indices(values.ravel() - first, end - first)
 
 
 def _in_words(value: Any) -> str:
