@@ -124,10 +124,14 @@ class Player(Simulated):
             self.remark("fault", f"the run is no longer written: {reason}")
 
     def fail(self, fault: Fault) -> None:
-        """Wait for a hand, at the state before the step that failed, for it may have been half made."""
+        """Wait for a hand, at the state before the step that failed, for it may have been half made.
+
+        Where no state can be kept, the robots go on from the half of it.
+        """
         self.fault = fault
         if not self.snapshots.reason:
             self._go_to(self._newest, lambda _: None)  # to be finished, also where all is about to end
+        self.simulation._is_within_step = False
         self.remark("fault", fault.text, robot=", ".join(fault.robots), stack=fault.stack)
 
     def forgive(self) -> None:

@@ -189,6 +189,21 @@ def test_an_error_in_a_controller_waits_until_a_hand_takes_the_robot() -> None:
     assert frame(one).robot_flags.tolist() == [RobotFlag.BY_HAND]
 
 
+class FailingWithALock(Failing):
+    def __init__(self) -> None:
+        super().__init__()
+        self.lock = threading.Lock()
+
+
+def test_a_hand_takes_the_robot_also_where_a_controller_cannot_be_copied() -> None:
+    one = player(FailingWithALock)
+    play(one, 57)
+    assert not one.step()
+    one.give(Input(tick=57, do="hand_over", robot="rover", value="hand"))
+    play(one, 30)
+    assert frame(one).robot_flags.tolist() == [RobotFlag.BY_HAND]
+
+
 def test_what_is_kept_of_a_long_run_is_bounded_and_still_leads_back() -> None:
     one = player()
     one.paths = Paths(1, most_bytes=24 * 64)
