@@ -29,8 +29,9 @@ class Bump(Noise):
     2 R phi but moves only 2 R sin phi ahead. It loses 2 R (phi - sin phi): 3.3 mm for 10 mm under a wheel of 165 mm.
     A bump under one wheel alone turns the robot. For the `ground` of any drive, or of a zone of the floor.
 
-    In a zone, each wheel that enters it meets one bump. Elsewhere all wheels meet one at the time `at`, or bumps are
-    anywhere, on average `rate` of them per metre, a Poisson process along the way.
+    In a zone, each wheel that enters it meets one bump, and rests on the border until it has rolled what that costs.
+    Elsewhere all wheels meet one at the time `at`, or bumps are anywhere, on average `rate` of them per metre, a
+    Poisson process along the way.
 
     Parameters
     ----------
@@ -58,7 +59,7 @@ class Bump(Noise):
             raise ParameterError("at", "expected either at or rate, or none of them in a zone, got both")
 
     def start(self, context: Context) -> State:
-        """Number of steps made `(N, 1)`, nominal radii `(N, r)` [m], and which joints meet bumps `(N, r)`."""
+        """Number of steps made `(N, 1)`; of joints `(N, r)`: radii, ways still to lose [m], and which meet bumps."""
         radius = np.asarray(context.robot.drive.rolling_radius())
         if radius.shape != (context.rows, context.size):
             raise ComponentError(
@@ -68,6 +69,7 @@ class Bump(Noise):
         return {
             "steps": np.zeros((context.rows, 1), dtype=np.int64),
             "radius": radius.copy(),
+            "owes": np.zeros_like(radius),
             "meets": chosen("Bump", self.joint, context),
         }
 
@@ -81,11 +83,18 @@ class Bump(Noise):
             )
         # sin(phi) from cos(phi) = 1 - climb, without the cancellation.
         lacks = 2.0 * state["radius"] * (np.arccos(1.0 - climb) - np.sqrt(climb * (2.0 - climb)))
-        count = self._met(values, side, elapsed, state, draws) * state["meets"]
-        return np.where(count > 0.0, values - np.sign(values) * count * lacks, values)
+        if self.at is None and self.rate is None:
+            # A wheel set back across the border would enter again, so it loses no more than it rolls in a step.
+            entered, inside = _entered(side)
+            owes = np.where(entered > 0.0, lacks * state["meets"], np.where(inside > 0.0, state["owes"], 0.0))
+            lost = np.minimum(owes, np.abs(values))
+            state["owes"] = owes - lost
+        else:
+            lost = self._met(values, elapsed, state, draws) * state["meets"] * lacks
+        return np.where(lost > 0.0, values - np.sign(values) * lost, values)
 
-    def _met(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
-        """Number of bumps `(N, r)` that each wheel meets in this step."""
+    def _met(self, values: Array, elapsed: Array, state: State, draws: Draws) -> Array:
+        """Number of bumps `(N, r)` at a time or on the way that each wheel meets in this step."""
         if self.at is not None:
             # By multiplication, not by summation: the time is still exact a billion steps later.
             # A step ends at the exact instant at which the next begins, so no bump falls between two steps.
@@ -93,11 +102,15 @@ class Bump(Noise):
             state["steps"] = state["steps"] + 1
             is_now = (begin <= self.at) & (self.at < state["steps"] * elapsed)
             return np.where(is_now, np.ones_like(values), 0.0)
-        if self.rate is not None:
-            return _poisson(draws.uniform(values.shape[1]), self.rate * np.abs(values))
-        if "entered" not in side:
-            raise ComponentError("Bump: expected at or rate, or to be in the ground of a zone; got none of them")
-        return np.asarray(side["entered"])
+        assert self.rate is not None
+        return _poisson(draws.uniform(values.shape[1]), self.rate * np.abs(values))
+
+
+def _entered(side: Mapping[str, Array]) -> tuple[Array, Array]:
+    """Which wheels `(N, r)` enter the zone in this step, and which were inside before it."""
+    if "entered" not in side:
+        raise ComponentError("Bump: expected at or rate, or to be in the ground of a zone; got none of them")
+    return side["entered"], side["inside"]
 
 
 def _poisson(chance: Array, mean: Array) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 
@@ -11,6 +12,7 @@ import numpy.typing as npt
 from amorsim.contracts import Context, Drive, State
 from amorsim.core.crossings import contains, share_rolled, share_within
 from amorsim.core.poses import compose
+from amorsim.core.shapes import Shape
 from amorsim.scenario.spec import Zone
 from amorsim.simulation.blame import Whose
 from amorsim.simulation.sensing.noise_chain import Chain, Streams
@@ -18,6 +20,9 @@ from amorsim.simulation.sensing.noise_chain import Chain, Streams
 __all__ = ["Zones", "contact_points", "zone_streams"]
 
 Array = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
+
+_BORDER = 1e-6  # [m] on either side, within which rounding might move a wheel that rests on the border
 
 
 def zone_streams(zones: Sequence[Zone]) -> list[tuple[str, ...]]:
@@ -34,14 +39,24 @@ class Zones:
         for zone, chain in zip(self._zones, self._chains, strict=True):
             chain.set_parameters([zone.ground] * rows)
         self._discs = [_disc(zone) for zone in self._zones]
+        # Of each zone, the wheels `(N, r)` that were inside in the last step: what tells one that rests on the border
+        # after it entered from one that is about to enter.
+        self._memories: list[State] = [{} for _ in self._zones]
 
     def __bool__(self) -> bool:
         return bool(self._zones)
 
     def start(self, context: Context) -> None:
         """Begin an episode; the size in `context` is the number of joints that roll."""
-        for chain in self._chains:
+        for chain, memory in zip(self._chains, self._memories, strict=True):
             chain.states = chain.start(context)
+            memory["inside"] = np.zeros((context.rows, context.size), dtype=bool)
+
+    def put(self, row: int) -> None:
+        """Forget in which zones the wheels of a row were, as it was put somewhere else."""
+        for memory in self._memories:
+            memory["inside"] = memory["inside"].copy()
+            memory["inside"][row] = False
 
     def passed(
         self,
@@ -77,19 +92,25 @@ class Zones:
         start, stop = begin.reshape(-1, 2), end.reshape(-1, 2)
         slide = None if motion is None else np.zeros_like(motion)
         way = np.sqrt((stop[:, 0] - start[:, 0]) ** 2 + (stop[:, 1] - start[:, 1]) ** 2)
-        for zone, chain, (x, y, reach) in zip(self._zones, self._chains, self._discs, strict=True):
+        for zone, chain, memory, (x, y, reach) in zip(
+            self._zones, self._chains, self._memories, self._discs, strict=True
+        ):
             apart = (start[:, 0] - x) ** 2 + (start[:, 1] - y) ** 2
             if (apart > (way + reach) ** 2).all():
                 # Call the elements anyway: a robot's state must not depend on where others are.
                 nothing = np.zeros_like(travel)
-                chain.corrupt(nothing, {"entered": nothing}, elapsed)
+                memory["inside"] = np.zeros(travel.shape, dtype=bool)
+                chain.corrupt(nothing, {"entered": nothing, "inside": nothing}, elapsed)
                 if chain.slides and motion is not None:
                     chain.slide(np.zeros_like(motion), elapsed)
                 continue
             a, b = _in_frame(zone, start), _in_frame(zone, stop)
             share = share_within(zone.shape, a, b).reshape(travel.shape)
-            entered = (share > 0.0) & ~contains(zone.shape, a).reshape(travel.shape)
-            side = {"entered": entered.astype(np.float64)}
+            stays = memory["inside"]
+            inside = _inside(zone.shape, a, stays)
+            entered = (share > 0.0) & (travel != 0.0) & ~inside
+            side = {"entered": entered.astype(np.float64), "inside": (inside & stays).astype(np.float64)}
+            memory["inside"] = inside | entered
             # Outside the zone nothing changes, not even the sign of a zero.
             within = np.where(share > 0.0, travel * share, 0.0)
             share = _cut(zone, a, b, share, within, chain.median(within, side, elapsed))
@@ -105,12 +126,21 @@ class Zones:
         return travel, slide
 
     def states(self) -> dict[str, State]:
-        """The states of all elements, by their place; the dicts themselves."""
-        return {
-            f"zone {zone.name} {name}": state
-            for zone, chain in zip(self._zones, self._chains, strict=True)
-            for name, state in zip(chain.names, chain.states, strict=True)
-        }
+        """The states of all zones and of their elements, by their place; the dicts themselves."""
+        found = {f"zone {zone.name}": memory for zone, memory in zip(self._zones, self._memories, strict=True)}
+        for zone, chain in zip(self._zones, self._chains, strict=True):
+            found |= {f"zone {zone.name} {name}": s for name, s in zip(chain.names, chain.states, strict=True)}
+        return found
+
+
+def _inside(shape: Shape, points: Array, stays: Bools) -> Bools:
+    """Whether wheels at points `(N * r, 2)` [m] of a shape's frame are inside; on the border, those that stay `(N, r)`.
+
+    The points around one tell whether it is on the border, so corners and cuts between parts need no rule of their own.
+    """
+    around = [contains(shape, points + np.array(offset)) for offset in itertools.product((-_BORDER, _BORDER), repeat=2)]
+    within, near = np.all(around, axis=0).reshape(stays.shape), np.any(around, axis=0).reshape(stays.shape)
+    return np.asarray(within | (near & stays))
 
 
 def _cut(zone: Zone, a: Array, b: Array, share: Array, within: Array, passed: Array) -> Array:

@@ -162,6 +162,51 @@ def test_each_crossing_costs_again_and_staying_costs_nothing():
     assert sim.true_pose[0, 0] == pytest.approx(1.4 - 2.0 * lacks(0.01), abs=1e-9)
 
 
+@pytest.mark.parametrize("dt", [0.005, 0.01, 0.05, 0.25, 0.5])
+@pytest.mark.parametrize("width", [0.002, 0.02])
+@pytest.mark.parametrize("x", [0.0, 0.0123, 0.0246, 0.0369])
+def test_a_sill_costs_one_bump_wherever_steps_end(dt, width, x):
+    """Also where a step is shorter than the way that a bump costs, and where that is wider than the sill."""
+    sill = zone(Bump(height=0.01), shape=Shape.rectangle(width, 4.0), x=1.0 + x)
+    assert drive(5.0, sill, dt=dt).true_pose[0, 0] == pytest.approx(2.0 - lacks(0.01), abs=1e-9)
+
+
+@pytest.mark.parametrize("dt", [0.25, 0.5, 1.0])
+def test_a_sill_whose_border_is_at_the_end_of_a_step_costs_one_bump(dt):
+    sim = drive(6.0, zone(Bump(height=0.01), x=2.0), dt=dt, forward=0.5)
+    assert sim.true_pose[0, 0] == pytest.approx(3.0 - lacks(0.01), abs=1e-9)
+
+
+@pytest.mark.parametrize("dt", [0.01, 0.5])
+def test_who_starts_or_is_put_on_a_sill_has_not_entered_it(dt):
+    sill = zone(Bump(height=0.01), x=0.0)
+    sim = drive(2.0, sill, dt=dt)
+    assert sim.true_pose[0, 0] == pytest.approx(0.8, abs=1e-9)
+    sim.set_pose("rover", (-1.0, 0.0, 0.0))
+    # In the smaller steps, the wheels are now in the midst of the bump.
+    sim.run(1.25 + dt)
+    sim.set_pose("rover", (0.0, 0.0, 0.0))
+    sim.run(0.5)
+    assert sim.true_pose[0, 0] == pytest.approx(0.2, abs=1e-9)
+    sim.set_pose("rover", (-0.5, 0.0, 0.0))
+    sim.run(2.0)
+    assert sim.true_pose[0, 0] == pytest.approx(0.3 - lacks(0.01), abs=1e-9)
+
+
+def test_one_replica_that_begins_again_meets_the_bumps_that_it_meets_alone():
+    robot = building.robot(pose=am.Pose(), controller=building.Roam(), on_collision="continue")
+    zones = [zone(Bump(height=0.01), shape=Shape.circle(0.3))]
+    sim = am.Simulation(building.scenario(robot, map=building.empty(), dt=0.01, zones=zones), replicas=3)
+    sim.run(1.0)
+    sim.reset(replicas=[1])
+    sim.run(3.0)
+    alone = am.Simulation(sim.scenario, replicas=[1])
+    alone.run(1.0)
+    alone.reset()
+    alone.run(3.0)
+    assert sim.digest(1) == alone.digest(1)
+
+
 @pytest.mark.parametrize("dt", [0.05, 0.1, 0.25])
 def test_a_bump_at_a_time(dt):
     sim = drive(2.0, ground=[Bump(height=0.008, at=0.6, joint="right_wheel")], dt=dt)
