@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import functools
 import math
-from typing import NamedTuple
+from collections.abc import Callable, Hashable, Sequence
+from typing import Concatenate, NamedTuple, ParamSpec, TypeVar
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import numpy.typing as npt
@@ -17,33 +19,56 @@ from amorsim.kernels.filters.beams import Field, Place
 from amorsim.kernels.filters.particles import Free
 from amorsim.kernels.grid.distances import distances
 
-__all__ = ["MOST_CELLS", "Ends", "field_of", "free_of", "map_of", "no_field", "nowhere", "place_of"]
+__all__ = ["MOST_CELLS", "Ends", "field_of", "free_of", "maps_of", "no_field", "nowhere", "place_of"]
+
+P = ParamSpec("P")
+T = TypeVar("T")
 
 Array = npt.NDArray[np.float64]
 
 MOST_CELLS = 10**8
+_KEPT = 4  # of what is made of a map for one set of arguments
 _LARGEST = 2**31 - 1  # sum of a scan's steps
 
 
-def map_of(who: str, robot: RobotModel) -> Map:
-    """The map that a robot knows.
+def maps_of(who: str, robot: RobotModel) -> Sequence[tuple[Map, npt.NDArray[np.int64]]]:
+    """The maps that robots know, each with the rows that know it, in order.
 
     Raises
     ------
     ComponentError
-        If it knows none.
+        If one knows none.
     """
-    if robot.map is None:
-        raise ComponentError(
-            f"{who} localizes the robot on the map that it knows, but it knows none; name one in knowledge.map"
-        )
-    return robot.map
+    rows: dict[Map, list[int]] = {}
+    for row, known in enumerate(robot.maps or (robot.map,) * robot.rows):
+        if known is None:
+            raise ComponentError(
+                f"{who} localizes the robot on the map that it knows, but it knows none; name one in knowledge.map"
+            )
+        rows.setdefault(known, []).append(row)
+    return [(known, np.array(which, dtype=np.int64)) for known, which in rows.items()]
 
 
 def place_of(known: Map) -> Place:
     """Where a map lies in the world."""
     x, y, yaw = known.origin
     return Place(x, y, math.cos(yaw), math.sin(yaw))
+
+
+def _once(make: Callable[Concatenate[Map, P], T]) -> Callable[Concatenate[Map, P], T]:
+    """Keeps what `make` gives for a map and the last few further arguments; what it gives must not refer to the map."""
+    made: WeakKeyDictionary[Map, dict[Hashable, T]] = WeakKeyDictionary()
+
+    @functools.wraps(make)
+    def kept(known: Map, /, *args: P.args, **kwargs: P.kwargs) -> T:
+        of_map = made.setdefault(known, {})
+        if args not in of_map:
+            while len(of_map) >= _KEPT:
+                of_map.pop(next(iter(of_map)))
+            of_map[args] = make(known, *args, **kwargs)
+        return of_map[args]
+
+    return kept
 
 
 class Ends(NamedTuple):
@@ -57,7 +82,7 @@ class Ends(NamedTuple):
     cubed: bool  # whether cubes of densities are added, and not logarithms
 
 
-@functools.lru_cache(maxsize=4)
+@_once
 def _squares(known: Map, resolution: float, distance_max: float) -> tuple[npt.NDArray[np.int32], float, int]:
     """The square of the distance to the nearest wall at each cell of a map, in cells; their side [m], and the margin.
 
@@ -82,7 +107,7 @@ def _squares(known: Map, resolution: float, distance_max: float) -> tuple[npt.ND
     return np.rint(away * away).astype(np.int32), resolution, margin
 
 
-@functools.lru_cache(maxsize=4)
+@_once
 def field_of(known: Map, resolution: float, ends: Ends) -> Field:
     """The likelihood field of a map: what a beam that ends in a cell adds to the weight, by its distance to a wall.
 
@@ -105,7 +130,7 @@ def field_of(known: Map, resolution: float, ends: Ends) -> Field:
     return Field(steps, rows, cols, resolution, margin * resolution, unit, base)
 
 
-@functools.lru_cache(maxsize=4)
+@_once
 def free_of(known: Map) -> Free:
     """The squares of a map where a robot may be, connected to the roomiest of them.
 

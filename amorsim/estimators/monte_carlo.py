@@ -28,10 +28,10 @@ from amorsim.core.errors import ComponentError
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.estimators.ages import refuse_late
-from amorsim.estimators.known_map import Ends, field_of, free_of, map_of, no_field, nowhere, place_of
+from amorsim.estimators.known_map import Ends, field_of, free_of, maps_of, no_field, nowhere, place_of
 from amorsim.estimators.wheels import angles_of, carry, check_encoder, sensor_of, step_of
-from amorsim.kernels.filters import beams, modes, particles
-from amorsim.kernels.filters.beams import Field
+from amorsim.kernels.filters import modes, particles
+from amorsim.kernels.filters.beams import Field, Mixture, Scan
 from amorsim.kernels.kinematics.poses import compose
 
 __all__ = ["HYPOTHESES", "MonteCarlo"]
@@ -179,12 +179,8 @@ class MonteCarlo(Estimator):
                 f"monte_carlo weighs particles by the sensor {self.laser!r}, but a {type(sensor).__name__} measures no "
                 "ranges along beams [m], as a laser does"
             )
-        known = map_of("monte_carlo", robot)
-        if self.model == "likelihood_field":
-            self._sensing(robot, np.zeros((rows, sensor.bearings().shape[1])), np.arange(rows))
         is_lost = bool(np.isnan(context.pose).any())
-        if is_lost or np.any(np.asarray(self.recovery_fast) > 0.0):
-            free_of(known)
+        self._sensing(robot, np.zeros((rows, sensor.bearings().shape[1])), np.arange(rows), is_lost)
         most = self.particles_max
         return {
             "pose": np.nan_to_num(context.pose),
@@ -252,7 +248,7 @@ class MonteCarlo(Estimator):
         motion = particles.Motion(
             begins, state["lost"], state["pose"], state["covariance"], state["moved"], state["doubt"]
         )
-        groups = self._sensing(robot, ranges, rows)
+        groups = self._sensing(robot, ranges, rows, bool(state["lost"].any()))
         sizes = particles.Sizes(
             self.particles_min,
             self.kld_error,
@@ -262,15 +258,12 @@ class MonteCarlo(Estimator):
             self.resample_below,
         )
         slow, fast = self.recovery_slow, self.recovery_fast
-        free = nowhere()
-        if state["lost"].any() or np.any(np.asarray(fast) > 0.0):
-            free = free_of(map_of("monte_carlo", robot))
         keys, counter, block = draws.reserve(2 * (4 * self.particles_max + 2))
         numbers = particles.Numbers(keys, counter, block, slow, fast)
         found = modes.Modes(state["hypotheses"], state["hypotheses_covariance"], state["hypotheses_weight"])
 
         def work(first: int, end: int) -> None:
-            for some, sensing in groups:
+            for some, sensing, free in groups:
                 some = some[np.searchsorted(some, first) : np.searchsorted(some, end)]
                 particles.update(some, cloud, motion, seen, sensing, sizes, free, numbers, found)
 
@@ -283,16 +276,18 @@ class MonteCarlo(Estimator):
         state["covariance"][rows] = found.covariances[rows, 0]
 
     def _sensing(
-        self, robot: RobotModel, ranges: Array, rows: npt.NDArray[np.int64]
-    ) -> list[tuple[npt.NDArray[np.int64], particles.Sensing]]:
-        """What weighs the particles, with the beams that are used: a group of rows for each likelihood field."""
-        known = map_of("monte_carlo", robot)
+        self, robot: RobotModel, ranges: Array, rows: npt.NDArray[np.int64], is_lost: bool
+    ) -> list[tuple[npt.NDArray[np.int64], particles.Sensing, particles.Free]]:
+        """What weighs the particles, with the beams that are used, and where particles are drawn at random.
+
+        A group of rows for each map that robots know, and each likelihood field of it.
+        """
         model = robot.sensors[self.laser]
         sensor: Any = model.sensor
         mount: Any = model.mount
         bearings = sensor.bearings()
         which = _spread(self.beams, bearings.shape[1])
-        scan = beams.Scan(
+        scan = Scan(
             ranges.take(which, axis=1),
             bearings.take(which, axis=1),
             mount.x,
@@ -300,30 +295,40 @@ class MonteCarlo(Estimator):
             mount.heading,
             _column(sensor.range_max, robot.rows),
         )
-        mixture = beams.Mixture(
-            self.z_hit, self.z_short, self.z_max, self.z_random, float(self.hit_std), self.short_rate
-        )
-        tempering, place = self.tempering, place_of(known)
+        mixture = Mixture(self.z_hit, self.z_short, self.z_max, self.z_random, float(self.hit_std), self.short_rate)
+        draws_anywhere = is_lost or np.any(np.asarray(self.recovery_fast) > 0.0)
+        groups = []
+        for known, knowing in maps_of("monte_carlo", robot):
+            free = free_of(known) if draws_anywhere else nowhere()
+            for field, which_rows in self._fields(known, len(which), mixture, scan, np.intersect1d(rows, knowing)):
+                sensing = particles.Sensing(
+                    scan,
+                    mixture,
+                    self.tempering,
+                    self.model == "beam",
+                    self.weighting == "cubed",
+                    field,
+                    known.grid,
+                    place_of(known),
+                )
+                groups.append((which_rows, sensing, free))
+        return groups
 
-        def sensing(field: Field) -> particles.Sensing:
-            return particles.Sensing(
-                scan, mixture, tempering, self.model == "beam", self.weighting == "cubed", field, known.grid, place
-            )
-
+    def _fields(
+        self, known: Map, count: int, mixture: Mixture, scan: Scan, rows: npt.NDArray[np.int64]
+    ) -> list[tuple[Field, npt.NDArray[np.int64]]]:
+        """The likelihood fields of a map for scans of `count` beams, each with those of some rows that use it."""
         if self.model == "beam":
-            return [(rows, sensing(no_field()))]
-        hit, rest = mixture.hit[:, 0], mixture.random[:, 0] / scan.range_max[:, 0]
-        kinds = {*zip(hit.tolist(), rest.tolist(), strict=True)}
-        if len(kinds) == 1:
-            return [(rows, sensing(self._field(known, len(which), *kinds.pop())))]
+            return [(no_field(), rows)]
+        hit, rest = mixture.hit[rows, 0], mixture.random[rows, 0] / scan.range_max[rows, 0]
+        is_cubed = self.weighting == "cubed"
         return [
-            (rows[(hit[rows] == kind[0]) & (rest[rows] == kind[1])], sensing(self._field(known, len(which), *kind)))
-            for kind in sorted(kinds)
+            (
+                field_of(known, self.field_resolution, Ends(self.hit_std, self.distance_max, *kind, count, is_cubed)),
+                rows[(hit == kind[0]) & (rest == kind[1])],
+            )
+            for kind in sorted({*zip(hit.tolist(), rest.tolist(), strict=True)})
         ]
-
-    def _field(self, known: Map, count: int, hit: float, rest: float) -> Field:
-        ends = Ends(self.hit_std, self.distance_max, hit, rest, count, self.weighting == "cubed")
-        return field_of(known, self.field_resolution, ends)
 
     def failed(self, state: State) -> npt.NDArray[np.bool_]:
         """Rows in which the last scan was possible from no particle; they went on with all, as likely as each other."""

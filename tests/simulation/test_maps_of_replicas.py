@@ -138,6 +138,39 @@ def test_robots_start_where_their_map_says_and_know_it() -> None:
     assert one.map_of(0) is one.map
 
 
+LOCALIZES = """
+[robots.knowledge]
+map = {{ {world} }}
+[robots.estimators.mcl]
+use = "monte_carlo"
+wheel_variance = 1e-3
+particles_max = 600
+{fields}
+"""
+
+
+@pytest.mark.parametrize("fields", ["", 'model = "beam"', "recovery_slow = 0.001\nrecovery_fast = 0.1"])
+def test_a_robot_localizes_itself_on_the_map_of_its_replica(fields: str) -> None:
+    scenario = read(document(more=LOCALIZES.format(world=FOREST, fields=fields)))
+    many = am.Simulation(scenario, replicas=3)
+    many.run()
+    for replica in range(3):
+        alone = am.Simulation(scenario, replicas=[replica])
+        alone.run()
+        assert alone.digest(replica) == many.digest(replica)
+        known = attrs.evolve(scenario.robots[0].knowledge, map=many.map_of(replica))
+        told = attrs.evolve(scenario, robots=[attrs.evolve(scenario.robots[0], knowledge=known)])
+        told = am.Simulation(told, replicas=[replica])
+        told.run()
+        assert told.digest(replica) == many.digest(replica)
+
+
+def test_a_robot_of_a_replica_that_knows_no_map_is_refused() -> None:
+    scenario = read(document(more=LOCALIZES.format(world=FOREST, fields="").replace("map =", "# map =")))
+    with pytest.raises(am.ComponentError, match=r"it knows none; name one in knowledge\.map"):
+        am.Simulation(scenario, replicas=2)
+
+
 def test_a_start_in_a_wall_names_the_replica() -> None:
     scenario = read(document(robot="pose = { x = 2.0, y = 2.0 }", sensors=""))
     with pytest.raises(am.ScenarioError, match=r"in replica \d+, at \(2\.000, 2\.000\) m the footprint overlaps"):
