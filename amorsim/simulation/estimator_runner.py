@@ -24,6 +24,7 @@ from amorsim.simulation.first_beliefs import BELIEF, first_beliefs
 from amorsim.simulation.handle import finite_numbers
 from amorsim.simulation.row_clock import RowClock
 from amorsim.simulation.sensing.noise_chain import Streams
+from amorsim.worlds.drawn import map_of
 
 __all__ = ["EstimatorRunner"]
 
@@ -55,12 +56,14 @@ class EstimatorRunner:
         The step that the robot's software knows [s]. Updates may come at any times.
     seed, replica
         Of the simulation, for an estimator that draws random numbers, and for a Gaussian initial belief, which the
-        simulation draws about the robot's pose. Without a seed that pose is what the robot believes.
+        simulation draws about the robot's pose. Without a seed that pose is what the robot believes. Where replicas
+        have different maps, the robot knows that of its replica.
 
     Raises
     ------
     AmorsimError
-        If the robot has no pose, or no estimator of that name; a `ComponentError` if the estimator refuses the robot.
+        If the robot has no pose, or no estimator of that name, or the map of its replica cannot be made; a
+        `ComponentError` if the estimator refuses the robot.
     """
 
     def __init__(
@@ -91,7 +94,12 @@ class EstimatorRunner:
             raise AmorsimError(f"dt: expected a number of seconds > 0, got {in_words(dt)}")
         self._name, self._dt = name, float(dt)
         self._who = f"robot {robot.name!r}, estimator {name!r}"
-        robot = attrs.evolve(robot, estimators=_with_feeders(name, {**robot.estimators, name: estimator}, robot))
+        world = robot.knowledge.map
+        robot = attrs.evolve(
+            robot,
+            estimators=_with_feeders(name, {**robot.estimators, name: estimator}, robot),
+            knowledge=attrs.evolve(robot.knowledge, map=None if world is None else map_of(world, replica)),
+        )
         self._sizes = {sensor: reading_size(robot, sensor) for sensor in robot.sensors}
         self._model = robot_model([robot], self._sizes, channels_of(robot), self._dt)
         self._clock = RowClock(np.array([replica]), self._dt)

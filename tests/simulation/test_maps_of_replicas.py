@@ -171,6 +171,22 @@ def test_a_robot_of_a_replica_that_knows_no_map_is_refused() -> None:
         am.Simulation(scenario, replicas=2)
 
 
+def test_an_estimator_alone_knows_the_map_of_its_replica() -> None:
+    scenario = read(document(more=LOCALIZES.format(world=FOREST, fields="")))
+    simulation = am.Simulation(scenario, replicas=[2])
+    x, y, heading = simulation.true_pose[0].tolist()
+    robot = attrs.evolve(scenario.robots[0], pose=am.Pose(x=x, y=y, heading=heading))
+    runner = am.EstimatorRunner(robot, "mcl", dt=simulation.dt, seed=simulation.seed, replica=2)
+    for _ in range(30):
+        (frame,) = simulation.frames()
+        fresh = {name: reading for name, (_, reading) in frame.readings.items() if reading.fresh[0, 0]}
+        estimate = runner.update(
+            frame.time[0], {name: reading.measured[0] for name, reading in fresh.items()}, frame.command[0]
+        )
+        assert estimate.pose.tolist() == frame.estimates["mcl"].pose[0].tolist()
+        simulation.step()
+
+
 def test_a_start_in_a_wall_names_the_replica() -> None:
     scenario = read(document(robot="pose = { x = 2.0, y = 2.0 }", sensors=""))
     with pytest.raises(am.ScenarioError, match=r"in replica \d+, at \(2\.000, 2\.000\) m the footprint overlaps"):
