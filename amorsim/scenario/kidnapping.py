@@ -13,7 +13,8 @@ __all__ = ["Kidnapping"]
 class Kidnapping:
     """A robot is carried to another pose at a time; its sensors do not notice it.
 
-    That must be free of walls and of other bodies then. It is an event of the kind ``"kidnapped"``.
+    That must be free of walls and of other bodies then. Robots that are carried at one instant may take each other's
+    places. It is an event of the kind ``"kidnapped"``.
     """
 
     time: float = parameter(unit="s", ge=0, help="when; at the first step that begins then or later")

@@ -28,27 +28,36 @@ __all__ = ["hand_over", "move", "set_parameter", "with_other_chain"]
 Array = npt.NDArray[np.float64]
 
 
-def move(fleet: Fleet, handle: RobotHandle, pose: tuple[float, ...], kind: str) -> None:
-    """Move a robot and its parts to a pose (x [m], y [m], heading [rad]), at rest; this is an event of that kind."""
-    group, row, name = handle._group, handle._row, handle.name
-    wanted = np.array([pose])
-    map_ = fleet.world.terrain.at(fleet.replicas.index(handle.replica))
-    beyond = outside(map_, *wanted[0, :2].tolist())
-    if beyond:
-        raise AmorsimError(f"robot {name!r} cannot stand at {pose}: that {beyond}")
-    parts = np.empty((0, 3)) if group.parts is None else group.parts.of_row(row, wanted[0])
-    found = fleet.overlap(group, row, np.concatenate((wanted, parts)))
-    if found:
-        raise AmorsimError(f"robot {name!r} cannot stand at {pose}: it would overlap {found}")
-    group.true_pose = _with_row(group.true_pose, row, wanted[0])
-    if group.parts is not None:
-        group.parts.put(row, parts)
-    group.true_twist = _with_row(group.true_twist, row, 0.0)
-    group.joint_rates = _with_row(group.joint_rates, row, 0.0)
-    group.zones.put(row)
-    fleet.place()
-    fleet.part_from_all(int(group.bodies[row]))
-    _log(fleet, handle, kind, "pose", pose)
+def move(fleet: Fleet, moves: Sequence[tuple[RobotHandle, tuple[float, ...]]], kind: str) -> None:
+    """Move robots and their parts at one instant, each to a pose (x [m], y [m], heading [rad]), at rest.
+
+    Each move is an event of that kind. Places are judged with all robots where they are moved to; if one is refused,
+    none moves.
+    """
+    poses = fleet.world.poses.copy()
+    for handle, pose in moves:
+        beyond = outside(fleet.world.terrain.at(fleet.replicas.index(handle.replica)), *pose[:2])
+        if beyond:
+            raise AmorsimError(f"robot {handle.name!r} cannot stand at {pose}: that {beyond}")
+        group, row, wanted = handle._group, handle._row, np.array([pose])
+        parts = np.empty((0, 3)) if group.parts is None else group.parts.of_row(row, wanted[0])
+        poses[fleet.robot_bodies(group, row)] = np.concatenate((wanted, parts))
+    for handle, pose in moves:
+        found = fleet.overlap(handle._group, handle._row, poses)
+        if found:
+            raise AmorsimError(f"robot {handle.name!r} cannot stand at {pose}: it would overlap {found}")
+    for handle, pose in moves:
+        group, row = handle._group, handle._row
+        bodies = fleet.robot_bodies(group, row)
+        group.true_pose = _with_row(group.true_pose, row, poses[bodies[0]])
+        if group.parts is not None:
+            group.parts.put(row, poses[bodies[1:]])
+        group.true_twist = _with_row(group.true_twist, row, 0.0)
+        group.joint_rates = _with_row(group.joint_rates, row, 0.0)
+        group.zones.put(row)
+        fleet.place()
+        fleet.part_from_all(int(bodies[0]))
+        _log(fleet, handle, kind, "pose", pose)
 
 
 def set_parameter(fleet: Fleet, handles: Sequence[RobotHandle], path: str, value: Any) -> None:
@@ -114,8 +123,11 @@ def _move_parts(fleet: Fleet, group: Group, rows: Sequence[int]) -> None:
     if group.parts is None:
         return
     moved = [group.parts.of_row(row, group.true_pose[row]) for row in rows]
+    poses = fleet.world.poses.copy()
     for row, parts in zip(rows, moved, strict=True):
-        found = fleet.overlap(group, row, np.concatenate((group.true_pose[row : row + 1], parts)))
+        poses[fleet.robot_bodies(group, row)[1:]] = parts
+    for row in rows:
+        found = fleet.overlap(group, row, poses)
         if found:
             raise LookupError(f"with it the robot would overlap {found}")
     for row, parts in zip(rows, moved, strict=True):

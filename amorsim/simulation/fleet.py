@@ -176,19 +176,23 @@ class Fleet:
         source = self.scenario.source
         return Fault(file=str(source) if source else "", path=f"{kind}.{self.world.name(body)}.pose", message=message)
 
+    def robot_bodies(self, group: Group, row: int) -> Ints:
+        """The bodies of a robot `(1 + p,)`: its own, and its parts'."""
+        own = group.bodies[row : row + 1]
+        return np.concatenate((own, self.world.parts_of(own)[0]))
+
     def overlap(self, group: Group, row: int, poses: Array) -> str:
-        """What a robot and its parts would overlap at `poses` `(1 + p, 3)`, in words; empty if they are free."""
+        """What a robot and its parts would overlap with all bodies at `poses` `(T, 3)`, in words; empty if nothing."""
         world = self.world
-        own = np.concatenate((group.bodies[row : row + 1], world.parts_of(group.bodies[row : row + 1])[0]))
-        if (world.wall_gaps(own, poses, np.zeros(len(own)))[0] < 0.0).any():
+        own = self.robot_bodies(group, row)
+        if (world.wall_gaps(own, poses[own], np.zeros(len(own)))[0] < 0.0).any():
             return "a wall"
         mine = int(own[0])
         first = int(world.first[world.replica_index[mine]])
         others = np.arange(first, first + world.count)
         others = others[world.owner[others] != mine]
-        a, at = np.repeat(own, len(others)), np.repeat(poses, len(others), axis=0)
-        b = np.tile(others, len(own))
-        gaps = world.body_gaps(a, at, b, world.poses[b], np.zeros(len(b)))
+        a, b = np.repeat(own, len(others)), np.tile(others, len(own))
+        gaps = world.body_gaps(a, poses[a], b, poses[b], np.zeros(len(b)))
         return repr(world.name(int(b[int(np.argmax(gaps < 0.0))]))) if (gaps < 0.0).any() else ""
 
     def tell_time(self) -> None:

@@ -133,9 +133,13 @@ class Simulation:
         self._is_within_step = False
 
     def _kidnap(self) -> None:
-        for index, tick in enumerate(self._fleet.ticks.tolist()):
-            for name, pose in self._fleet.kidnappings.get(tick, ()):
-                changes.move(self._fleet, self.robot(name, self.replicas[index]), pose, "kidnapped")
+        moves = [
+            (self.robot(name, replica), pose)
+            for replica, tick in zip(self.replicas, self._fleet.ticks.tolist(), strict=True)
+            for name, pose in self._fleet.kidnappings.get(tick, ())
+        ]
+        if moves:
+            changes.move(self._fleet, moves, "kidnapped")
 
     @overload
     def run(self, duration: float | None = None) -> None: ...
@@ -328,7 +332,7 @@ class Simulation:
         numbers = finite_numbers(pose)
         if numbers is None or len(numbers) != 3:
             raise AmorsimError(f"robot {name!r}: expected a pose of three finite numbers, got {in_words(pose)}")
-        changes.move(self._fleet, handle, tuple(numbers), "pose_set")
+        changes.move(self._fleet, [(handle, tuple(numbers))], "pose_set")
 
     def set(self, name: str, path: str, value: Any, *, replica: int | None = None) -> None:
         """Change a parameter of a robot from the next step on; in one replica, or in all if none is given.

@@ -13,6 +13,7 @@ import amorsim as am
 from amorsim.scenario.read import loads
 from amorsim.scenario.resolved import resolved_table
 from amorsim.scenario.write import table_text
+from tests import building
 
 
 def read(text):
@@ -62,6 +63,37 @@ def test_where_a_wall_is_nobody_can_be_put():
     sim = am.Simulation(scenario(am.Kidnapping(time=0.0, x=-5.0, y=7.0)))
     with pytest.raises(am.AmorsimError, match="cannot stand at"):
         sim.step()
+
+
+def two(first, second):
+    """A robot of each name, at x = -2 m and 2 m, both carried to a place at once."""
+    robots = [
+        building.robot(
+            name=name, pose=am.Pose(x=x), kidnappings=[am.Kidnapping(time=0.5, x=to, y=0.0)], on_collision="continue"
+        )
+        for name, x, to in (first, second)
+    ]
+    return am.Simulation(building.scenario(*robots, map=building.empty()), replicas=2)
+
+
+@pytest.mark.parametrize("names", ["ab", "ba"])
+@pytest.mark.parametrize("to", [-5.0, -2.0])
+def test_robots_that_are_carried_at_once_do_not_stand_in_each_others_way(names, to):
+    """One to where the other was, and that one away, or to where the first was."""
+    sim = two((names[0], -2.0, 2.0), (names[1], 2.0, to))
+    sim.run(0.6)
+    for replica in range(2):
+        assert sim.robot(names[0], replica).true_pose.tolist() == [2.0, 0.0, 0.0]
+        assert sim.robot(names[1], replica).true_pose.tolist() == [to, 0.0, 0.0]
+    assert [event.kind for event in sim.events] == ["kidnapped"] * 4
+
+
+def test_robots_that_are_carried_to_one_place_are_refused_and_none_moves():
+    sim = two(("a", -2.0, 0.0), ("b", 2.0, 0.1))
+    with pytest.raises(am.AmorsimError, match=r"robot 'a' cannot stand at .*: it would overlap 'b'"):
+        sim.run(0.6)
+    assert sim.true_pose[:, 0].tolist() == [-2.0, 2.0, -2.0, 2.0]
+    assert not sim.events
 
 
 def test_a_file_says_so_and_is_written_so():
