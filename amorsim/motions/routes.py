@@ -18,9 +18,6 @@ __all__ = ["Loop", "Oscillate", "Waypoints"]
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-STOPS = 64
-"""So many waypoints at most are passed in one step."""
-
 
 @attrs.frozen(kw_only=True)
 class _Route(Motion):
@@ -81,7 +78,8 @@ class _Route(Motion):
         state.update(last_next=following, last_way=way, last_rest=rest)
         x, y = view.body_pose[:, :1], view.body_pose[:, 1:2]
         left = np.full((view.rows, 1), dt)
-        for _ in range(STOPS):
+        # To the next waypoint, and then less than once around.
+        for _ in range(2 * self._count() + 1):
             # First rest, then go, then arrive.
             resting = np.minimum(rest, left)
             rest, left = rest - resting, left - resting
@@ -100,12 +98,25 @@ class _Route(Motion):
             following, way = np.where(arrives, after, following), np.where(arrives, after_way, way)
             if not (left > 0.0).any():
                 break
+            left = np.fmod(left, self._time_around())
         state.update(next=following, way=way, rest=rest)
         dx, dy = x - view.body_pose[:, :1], y - view.body_pose[:, 1:2]
         turn = (
             facing(view, dx, dy, np.asarray(self.turn_rate * dt)) if self.faces == "ahead" else np.zeros((view.rows, 1))
         )
         return displacement(view, dx, dy, turn)
+
+    def _time_around(self) -> Array:
+        """The time from a waypoint to the same one again, with pauses `(N, 1)` [s]; inf if that is never or at once."""
+        order = self._around()
+        points = np.asarray(self.waypoints)[:, order]
+        steps = points - np.roll(points, 1, axis=1)
+        length = np.sqrt(steps[:, :, 0] ** 2 + steps[:, :, 1] ** 2).sum(axis=1, keepdims=True)
+        moves = (length > 0.0) & (self.speed > 0.0)
+        with np.errstate(over="ignore"):  # at next to no speed it never comes back
+            under_way = np.where(moves, length / np.where(moves, self.speed, 1.0), np.where(length > 0.0, np.inf, 0.0))
+        around = under_way + len(order) * np.asarray(self.pause)
+        return np.where(around > 0.0, around, np.inf)
 
     def _place(self, number: Ints) -> tuple[Array, Array]:
         """Places of the waypoints `(N, 1)`; for a number beyond the last, that of the last."""
@@ -125,6 +136,10 @@ class _Route(Motion):
     def _after(self, number: Ints, way: Ints) -> tuple[Ints, Ints]:
         """The waypoint after one, and the way through the list from there."""
 
+    @abc.abstractmethod
+    def _around(self) -> list[int]:
+        """The waypoints from one to the same one again, in order; none if it does not come back."""
+
 
 @attrs.frozen(kw_only=True)
 class Waypoints(_Route):
@@ -136,6 +151,9 @@ class Waypoints(_Route):
     def _after(self, number: Ints, way: Ints) -> tuple[Ints, Ints]:
         return np.minimum(number + 1, self._count()), way
 
+    def _around(self) -> list[int]:
+        return []
+
 
 @attrs.frozen(kw_only=True)
 class Loop(_Route):
@@ -146,6 +164,9 @@ class Loop(_Route):
 
     def _after(self, number: Ints, way: Ints) -> tuple[Ints, Ints]:
         return (number + 1) % self._count(), way
+
+    def _around(self) -> list[int]:
+        return list(range(self._count()))
 
 
 @attrs.frozen(kw_only=True)
@@ -159,3 +180,7 @@ class Oscillate(_Route):
         last = self._count() - 1
         way = np.where(number >= last, -1, np.where(number <= 0, 1, way))
         return np.clip(number + way, 0, last), way
+
+    def _around(self) -> list[int]:
+        count = self._count()
+        return [*range(count), *range(count - 2, 0, -1)]

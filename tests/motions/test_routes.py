@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from typing import Any
 
 import numpy as np
 import pytest
@@ -54,6 +55,28 @@ def test_there_and_back() -> None:
     way = [*SQUARE[:3], SQUARE[1], SQUARE[0]]
     for tick, (x, y, _) in enumerate(poses):
         assert (x, y) == pytest.approx(along(way, (0.9 * DT * tick) % 8.0), abs=1e-9)
+
+
+@pytest.mark.parametrize("kind", [Loop, Oscillate])
+@pytest.mark.parametrize("pause", [0.0, 0.003])
+def test_a_step_may_go_around_any_number_of_times(kind: Any, pause: float) -> None:
+    motion = kind(waypoints=SQUARE[:3] if kind is Oscillate else SQUARE, speed=101.0, pause=pause)
+    around = 8.0 / 101.0 + 4 * pause  # [s]
+    poses = track(world(obstacle(motion), dt=10.0), 2)
+    for tick in (1, 2):
+        once = track(world(obstacle(motion), dt=10.0 * tick % around), 1)
+        assert poses[tick, :2] == pytest.approx(once[1, :2], abs=1e-9)
+
+
+@pytest.mark.parametrize("kind", [Waypoints, Loop, Oscillate])
+def test_a_step_at_a_single_place_ends_there(kind: Any) -> None:
+    poses = track(world(obstacle(kind(waypoints=SQUARE[:1], speed=101.0, pause=0.003)), dt=10.0), 2)
+    assert poses[:, :2].tolist() == [[2.0, 2.0]] * 3
+
+
+def test_once_through_more_waypoints_than_a_few() -> None:
+    points = tuple((2.0 + 0.01 * i, 2.0) for i in range(300))
+    assert track(world(obstacle(Waypoints(waypoints=points, speed=100.0)), dt=10.0), 1)[-1, 0] == 2.0 + 0.01 * 299
 
 
 def test_a_pause_is_made_at_each_waypoint() -> None:
