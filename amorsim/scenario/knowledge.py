@@ -10,6 +10,7 @@ import numpy as np
 
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
+from amorsim.scenario.kinds import is_a
 
 __all__ = ["Knowledge"]
 
@@ -38,7 +39,7 @@ class Knowledge:
     `landmark_ids` are those of the `landmarks`, 0 for a landmark that looks like others; they are empty if all do.
     """
 
-    map: Map | None = None
+    map: Map | None = attrs.field(default=None, validator=is_a(Map, "am.load_map('rooms.wld')", optional=True))
     landmarks: tuple[tuple[float, float], ...] = attrs.field(default=(), converter=_places)
     landmark_ids: tuple[int, ...] = attrs.field(default=(), converter=_ids)
 

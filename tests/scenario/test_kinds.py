@@ -59,6 +59,11 @@ def scenario(**changes: Any) -> Callable[[], object]:
         (scenario(robots=["rover"]), "robots: expected a list of Robot, got one with 'rover'"),
         (scenario(landmarks=[(1, 2)]), r"landmarks: expected a list of Landmark, got one with \(1, 2\)"),
         (scenario(zones=3), "zones: expected a list of Zone, got 3"),
+        (
+            lambda: am.Knowledge(map="rooms.wld"),
+            r"map: expected a Map, as am\.load_map\('rooms\.wld'\), got 'rooms\.wld'",
+        ),  # type: ignore[arg-type]
+        (lambda: am.Knowledge(map=5), "map: expected a Map, as .*, got 5"),  # type: ignore[arg-type]
         (lambda: am.Knowledge(landmarks=[(1, 2, 3)]), "landmarks: expected points"),
         (lambda: am.Knowledge(landmarks=[(1, float("nan"))]), "landmarks: expected points"),
         (lambda: am.Knowledge(landmarks=5), "landmarks: expected points"),  # type: ignore[arg-type]
