@@ -15,7 +15,14 @@ from amorsim.core.poses import compose, relative
 from amorsim.core.rows import stack
 from amorsim.scenario.spec import Robot, Scenario
 from amorsim.simulation.simulation import Simulation
-from amorsim.studies.bench import alone, chosen_robot, empty_world, error_paths, only_odometry
+from amorsim.studies.bench import (
+    alone,
+    chosen_robot,
+    empty_world,
+    error_paths,
+    only_odometry,
+    with_known_place,
+)
 
 __all__ = ["Attribution", "Case", "attribute_errors"]
 
@@ -58,7 +65,9 @@ class Attribution:
     together
         All errors at once; its share is 1.
     left_out
-        Paths of errors that do not affect odometry, and the zones of the floor, which an empty world does not have.
+        Paths of errors that do not affect odometry; the zones of the floor, which an empty world does not have; and
+        ``"initial_belief"`` and ``"kidnappings"`` if the robot has them: in the drive it knows its start exactly, and
+        is not carried away.
     """
 
     robot: str
@@ -78,7 +87,8 @@ def attribute_errors(scenario: Scenario, *, robot: str | None = None, replicas: 
 
     An error is an entry of the robot's `errors`, an element of its `ground`, or one of its encoder's chain. Draws
     depend only on names, so each error draws the same alone and together with others. The estimate is dead reckoning.
-    The commands are the controller's in the scenario's own world; they are repeated in an empty one.
+    The commands are the controller's in the scenario's own world; they are repeated in an empty one. In both the robot
+    knows its start exactly and is not kidnapped: neither is an error of its odometry.
 
     To first order, the final error of all together is the sum of the final errors of each alone. A share is the part
     of the sum that lies along the whole, averaged over replicas: mean of e_i . e over mean of e . e.
@@ -142,6 +152,8 @@ def attribute_errors(scenario: Scenario, *, robot: str | None = None, replicas: 
         left_out=(
             *(f"errors.{path}" for path in chosen.errors if f"errors.{path}" not in kept),
             *(f"zones.{zone.name}" for zone in scenario.zones),
+            *(["initial_belief"] if chosen.initial_belief.kind != "exact" else []),
+            *(["kidnappings"] if chosen.kidnappings else []),
         ),
     )
 
@@ -166,7 +178,7 @@ def _with_only(robot: Robot, encoder: str, kept: set[str]) -> Robot:
 def _commands(scenario: Scenario, robot: Robot, encoder: str) -> Array:
     """The controller's commands, step by step `(T, c)`, in its own world, without odometry errors."""
     clean = attrs.evolve(
-        robot,
+        with_known_place(robot),
         errors={},
         ground=(),
         sensors={**robot.sensors, encoder: attrs.evolve(robot.sensors[encoder], noise=())},

@@ -10,11 +10,21 @@ import numpy as np
 from amorsim.core.errors import AmorsimError, did_you_mean
 from amorsim.core.map import Map
 from amorsim.estimators.dead_reckoning import DeadReckoning
+from amorsim.scenario.initial_belief import InitialBelief
 from amorsim.scenario.paths import changed
 from amorsim.scenario.spec import Deviation, Pose, Robot, Scenario
 from amorsim.simulation.truth import true_robot
 
-__all__ = ["alone", "chosen_robot", "empty_world", "error_paths", "only_odometry", "true_value", "with_settled_errors"]
+__all__ = [
+    "alone",
+    "chosen_robot",
+    "empty_world",
+    "error_paths",
+    "only_odometry",
+    "true_value",
+    "with_known_place",
+    "with_settled_errors",
+]
 
 _NOBODY = 0.5  # [m] cells of a world without obstacles
 
@@ -56,6 +66,14 @@ def with_settled_errors(robot: Robot, seed: int) -> Robot:
     return attrs.evolve(robot, errors=settled)
 
 
+def with_known_place(robot: Robot) -> Robot:
+    """The robot that knows its start exactly and is never carried away.
+
+    Neither is an error of its drive or of a sensor, and an experiment would take them for such errors.
+    """
+    return attrs.evolve(robot, initial_belief=InitialBelief(), kidnappings=())
+
+
 def error_paths(robot: Robot, sensor: str) -> list[str]:
     """The paths of the errors of the drive, of the start, or of one sensor."""
     return [path for path in robot.errors if path.split(".")[0] in ("drive", "pose") or _is_of(path, sensor)]
@@ -68,7 +86,8 @@ def _is_of(path: str, sensor: str) -> bool:
 def only_odometry(robot: Robot) -> tuple[Robot, str]:
     """The robot with dead reckoning alone and the encoder that this reads, and the encoder's name.
 
-    All other sensors are removed. They do not affect odometry, and draws depend only on names, so none changes.
+    It knows its start, and is not carried away. All other sensors are removed: they do not affect odometry, and draws
+    depend only on names, so none changes.
 
     Raises
     ------
@@ -88,7 +107,7 @@ def only_odometry(robot: Robot) -> tuple[Robot, str]:
     if encoder not in robot.sensors:
         raise AmorsimError(f"robot {robot.name!r}: its dead reckoning reads {encoder!r}, which the robot does not have")
     kept = attrs.evolve(
-        robot,
+        with_known_place(robot),
         sensors={encoder: robot.sensors[encoder]},
         estimators={name: estimator},
         errors={path: robot.errors[path] for path in error_paths(robot, encoder)},

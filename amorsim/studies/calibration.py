@@ -25,7 +25,7 @@ from amorsim.scenario.spec import Pose, Robot, Scenario
 from amorsim.sensors.compass import Compass
 from amorsim.sensors.gyro import Gyro
 from amorsim.simulation.simulation import Simulation
-from amorsim.studies.bench import alone, chosen_robot, empty_world, with_settled_errors
+from amorsim.studies.bench import alone, chosen_robot, empty_world, with_known_place, with_settled_errors
 
 __all__ = ["RangeCalibration", "calibrate_compass", "calibrate_gyro", "calibrate_range"]
 
@@ -94,7 +94,7 @@ def _device(scenario: Scenario, robot: str | None, sensor: str | None, fits: Cal
 
 def _on_bench(scenario: Scenario, robot: str | None, sensor: str) -> Robot:
     """The robot with this one sensor, on the turn table; its errors those of replica 0, its drive's left out."""
-    settled = with_settled_errors(chosen_robot(scenario, robot), scenario.seed)
+    settled = with_settled_errors(with_known_place(chosen_robot(scenario, robot)), scenario.seed)
     errors = {path: error for path, error in settled.errors.items() if path.split(".")[:2] == ["sensors", sensor]}
     return attrs.evolve(
         settled,
@@ -105,6 +105,7 @@ def _on_bench(scenario: Scenario, robot: str | None, sensor: str) -> Robot:
         controller=Manual(),
         errors=errors,
         pose=Pose(),
+        start=None,
     )
 
 

@@ -11,7 +11,7 @@ from amorsim.core.errors import AmorsimError
 from amorsim.core.poses import wrap_angle
 from amorsim.scenario.spec import Deviation, Robot, Scenario
 from amorsim.simulation.simulation import Simulation
-from amorsim.studies.bench import alone, empty_world, only_odometry
+from amorsim.studies.bench import alone, empty_world, only_odometry, with_known_place
 
 __all__ = ["SquarePreview", "preview_noise", "preview_square"]
 
@@ -81,7 +81,11 @@ def preview_noise(scenario: Scenario, name: str, sensor: str, *, samples: int = 
     if robot is None or sensor not in robot.sensors:
         raise AmorsimError(f"there is no sensor {sensor!r} of a robot {name!r}")
     standing = attrs.evolve(
-        robot, controller=None, sensors={sensor: robot.sensors[sensor]}, estimators={}, errors=_errors_of(robot, sensor)
+        with_known_place(robot),
+        controller=None,
+        sensors={sensor: robot.sensors[sensor]},
+        estimators={},
+        errors=_errors_of(robot, sensor),
     )
     simulation = Simulation(attrs.evolve(alone(scenario, standing), obstacles=[]), replicas=replicas)
     is_angle = robot.sensors[sensor].sensor.unit == "rad"

@@ -109,6 +109,20 @@ def test_errors_that_odometry_does_not_know_are_named() -> None:
     assert [case.name for case in found.cases] == ["errors.drive.track"]
 
 
+def test_what_it_knows_of_its_start_and_where_it_is_carried_are_no_errors() -> None:
+    scenario = _scenario(errors={"drive.track": Deviation(scale=1.01)})
+    lost = attrs.evolve(
+        scenario.robots[0],
+        initial_belief=am.InitialBelief(kind="gaussian", std=0.2, heading_std=0.1),
+        kidnappings=[am.Kidnapping(time=10.0, x=4.0, y=4.0)],
+    )
+    found = attribute_errors(attrs.evolve(scenario, robots=[lost]), replicas=2)
+    plain = attribute_errors(scenario, replicas=2)
+    assert found.together.errors.tobytes() == plain.together.errors.tobytes()
+    assert found.left_out == ("initial_belief", "kidnappings")
+    assert plain.left_out == ()
+
+
 def test_it_drives_as_the_robot_without_errors_does() -> None:
     found = attribute_errors(_scenario(errors={"drive.track": Deviation(scale=1.05)}), replicas=1)
     clean = am.Simulation(_scenario())

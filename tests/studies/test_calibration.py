@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import attrs
 import numpy as np
 import pytest
 
@@ -128,6 +129,17 @@ def test_another_element_and_another_sensor_can_be_named() -> None:
 def test_distances_have_draws_of_their_own() -> None:
     laser = _scenario("laser", Laser(beams=3, range_max=8.0), Gaussian(std=0.01))
     assert len({at.bias.value for at in calibrate_range(laser, runs=3)[2]}) == 3
+
+
+@pytest.mark.parametrize("name", ["kidnapped", "find-yourself"])
+def test_the_bench_is_where_the_robot_stays(name: str) -> None:
+    """However it starts in its scenario, whatever it knows of that, and wherever it is carried there."""
+    scenario = am.load(name)
+    assert calibrate_range(scenario, runs=2)[2][0].returned == 1.0
+    gyro = {"gyro": MountedSensor(sensor=Gyro(), noise=building.chain(Bias(value=0.02)))}
+    robot = attrs.evolve(scenario.robots[0], sensors={**scenario.robots[0].sensors, **gyro})
+    _, found = calibrate_gyro(attrs.evolve(scenario, robots=[robot]), runs=2)
+    assert found["bias"].value == pytest.approx(0.02, abs=1e-9)
 
 
 def test_what_is_not_there_is_refused() -> None:

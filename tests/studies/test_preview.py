@@ -45,3 +45,10 @@ def test_readings_without_noise_are_true() -> None:
     assert np.abs(preview_noise(scenario, robot.name, "laser", samples=500, replicas=2)).max() == 0.0
     with pytest.raises(AmorsimError, match="no sensor 'nothing'"):
         preview_noise(scenario, robot.name, "nothing")
+
+
+def test_a_robot_that_knows_nothing_of_its_start_has_previews_too() -> None:
+    scenario = am.load("find-yourself")
+    (robot,) = scenario.robots
+    assert np.isfinite(preview_square(scenario, robot, side=2.0, replicas=2).ends).all()
+    assert len(preview_noise(scenario, robot.name, "laser", samples=500, replicas=2)) == 500

@@ -221,3 +221,13 @@ def test_motors_that_lag_longer_than_a_step_come_round_and_are_measured() -> Non
     found = umbmark(attrs.evolve(scenario, robots=[slow]), side=2.0, runs=2)
     assert found.exact.ed.value == pytest.approx(1.002, abs=1e-4)
     assert found.exact.eb.value == pytest.approx(1.01, abs=1e-3)
+
+
+def test_it_knows_its_start_and_is_not_carried_away() -> None:
+    """Neither says anything of the drive: the same figures as without them."""
+    plain = _scenario(1.002, 1.01, 1e-6)
+    away = am.Kidnapping(time=10.0, x=1.0, y=1.0)
+    for belief in (am.InitialBelief(kind="gaussian", std=0.2, heading_std=0.1), am.InitialBelief(kind="nothing")):
+        lost = attrs.evolve(plain.robots[0], initial_belief=belief, kidnappings=[away])
+        found = umbmark(attrs.evolve(plain, robots=[lost]), runs=2, side=2.0)
+        assert found.clockwise.tobytes() == umbmark(plain, runs=2, side=2.0).clockwise.tobytes()
