@@ -15,7 +15,9 @@ from amorsim.analysis.files import RunFiles
 from amorsim.contracts import Episode, Metric
 from amorsim.core.arguments import check_kind
 from amorsim.core.errors import AnalysisError
+from amorsim.core.map import Map
 from amorsim.simulation.events import Event
+from amorsim.worlds.drawn import map_of, origin_of
 
 __all__ = ["episode_of", "measure"]
 
@@ -64,7 +66,23 @@ def episode_of(files: RunFiles, needs: Sequence[str], *, robot: str | None = Non
         events=_events(files, robot),
         map=files.scenario.map,
         shape=next(each.shape for each in files.scenario.robots if each.name == robot),
+        maps=() if origin_of(files.scenario.map) is None else _Worlds(files),
     )
+
+
+class _Worlds(Sequence[Map]):
+    """The maps of a run's replicas, each made whenever it is looked up: most metrics ask for none."""
+
+    def __init__(self, files: RunFiles) -> None:
+        self._files = files
+
+    def __len__(self) -> int:
+        return len(self._files.replicas)
+
+    def __getitem__(self, row: Any) -> Any:
+        if isinstance(row, slice):
+            return [self[place] for place in range(*row.indices(len(self)))]
+        return map_of(self._files.scenario.map, self._files.replicas[row])
 
 
 def _read(files: RunFiles, name: str, robot: str) -> npt.NDArray[Any]:

@@ -32,9 +32,15 @@ class Episode:
     events: Sequence[Any]
     """Events (`am.Event`) of the robot, of all these replicas, in order."""
     map: Map
-    """The true world."""
+    """The true world; that of replica 0 if replicas have worlds of their own, see `map_of`."""
     shape: Shape
     """The robot's footprint."""
+    maps: Sequence[Map] = ()
+    """(R,) the true world of each row, if replicas have worlds of their own; else empty."""
+
+    def map_of(self, row: int) -> Map:
+        """The true world of a row's replica."""
+        return self.maps[row] if self.maps else self.map
 
     @property
     def dt(self) -> float:

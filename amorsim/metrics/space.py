@@ -34,12 +34,12 @@ class Clearance(Metric):
 
     def measure(self, episode: Episode) -> Array:
         """See `Metric`."""
-        least = np.full(len(episode.replicas), self.most)
-        shapes = [episode.shape] * len(least)
-        for poses in episode.kept["true_pose"]:
-            gaps, _ = wall_gaps(episode.map, shapes, poses, self.most)
-            least = np.minimum(least, gaps)
-        return np.asarray(np.maximum(least, 0.0))
+        true = episode.kept["true_pose"]
+        least = np.empty(len(episode.replicas))
+        for row in range(len(least)):
+            gaps, _ = wall_gaps(episode.map_of(row), [episode.shape] * len(true), true[:, row], self.most)
+            least[row] = gaps.min()
+        return np.maximum(least, 0.0)
 
 
 @attrs.frozen(kw_only=True)

@@ -26,6 +26,7 @@ from amorsim.scenario.spec import Scenario
 from amorsim.simulation.keeping import Keeper
 from amorsim.simulation.simulation import Simulation
 from amorsim.sweeps.plan import Chunk, Measured, Plan
+from amorsim.worlds.drawn import origin_of
 
 __all__ = ["Outcome", "episode_at", "measure_episode", "quantities", "robot_of", "run_chunk", "simulation_of"]
 
@@ -267,6 +268,7 @@ def episode_at(
         ],
         map=scenario.map,
         shape=next(each.shape for each in scenario.robots if each.name == robot),
+        maps=() if origin_of(scenario.map) is None else [simulation.map_of(replica) for replica in replicas],
     )
 
 

@@ -11,6 +11,7 @@ import pytest
 
 import amorsim as am
 from amorsim.analysis import measure, run_nees, run_nis
+from amorsim.core.starts import wall_gaps
 from amorsim.metrics import (
     ArrivalTime,
     Clearance,
@@ -104,6 +105,21 @@ def test_clearance_is_the_least_gap_to_a_wall() -> None:
     assert found == pytest.approx([0.8, 0.8], abs=2e-3)
     assert Clearance(most=0.1).measure(episode(straight())) == pytest.approx([0.1, 0.1])
     assert Clearance().measure(episode(straight() - [0.9, 0.0, 0.0])).tolist() == [0.0, 0.0]
+
+
+def test_clearance_is_of_each_replicas_own_world(tmp_path: Path) -> None:
+    forest = am.load("demo", ['world.map={generate="forest", seed=7, per="replica", size=[12.0, 9.0]}'])
+    robot = building.robot(pose=None, controller=None)
+    scenario = building.scenario(robot, map=forest.map)
+    am.run(scenario, tmp_path / "run", duration=0.2, replicas=3)
+    found = measure(tmp_path / "run", Clearance())
+    simulation = am.Simulation(scenario, replicas=3)
+    simulation.run(0.2)
+    for row in range(3):
+        pose = simulation.true_pose[row : row + 1]
+        gaps, _ = wall_gaps(simulation.map_of(row), [robot.shape], pose, 2.0)
+        assert found[row] == pytest.approx(gaps[0], abs=1e-5)
+    assert len(set(found.tolist())) == 3
 
 
 def test_coverage_is_the_area_that_a_disc_sweeps() -> None:

@@ -39,6 +39,27 @@ def test_a_row_is_what_its_simulation_gives(tmp_path: Path) -> None:
     assert study["final_error"][row] == math.sqrt(apart[0] ** 2 + apart[1] ** 2)
 
 
+def test_clearance_is_measured_in_each_replicas_own_world(tmp_path: Path) -> None:
+    file = tmp_path / "forest.toml"
+    file.write_text(
+        """
+format = 1
+
+[world]
+map = { generate = "forest", seed = 7, per = "replica", size = [12.0, 9.0] }
+
+[[robots]]
+name = "rover"
+model = "pioneer2dx"
+"""
+    )
+    given = {"format": 1, "scenario": str(file), "replicas": 3, "duration": 0.2, "metrics": {"c": {"use": "clearance"}}}
+    study = am.sweep(given, tmp_path / "out", keep="all")
+    (run,) = (tmp_path / "out" / "runs").iterdir()
+    assert study["c"] == pytest.approx(am.analysis.measure(run, am.metrics.Clearance()), abs=1e-5)
+    assert len(set(study["c"].tolist())) == 3
+
+
 def test_a_study_is_a_dict_of_arrays_and_a_frame(tmp_path: Path) -> None:
     am.sweep(tables(tmp_path / "s"), tmp_path / "out")
     study = am.read_study(tmp_path / "out")
