@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Episode, Metric, parameter
 from amorsim.core.poses import wrap_angle
+from amorsim.metrics.jumps import before_steps
 from amorsim.metrics.series import total
 
 __all__ = ["ArrivalTime", "Collisions", "PathLength", "Success", "Turning"]
@@ -19,8 +20,8 @@ Array = npt.NDArray[np.float64]
 
 
 def _lengths(episode: Episode) -> Array:
-    """The true path's length in each replica [m]."""
-    steps = np.diff(episode.kept["true_pose"][..., :2], axis=0)
+    """The length of the true path that each replica drove [m]."""
+    steps = episode.kept["true_pose"][1:, :, :2] - before_steps(episode)[..., :2]
     return total(np.sqrt(steps[..., 0] ** 2 + steps[..., 1] ** 2))
 
 
@@ -36,7 +37,7 @@ def _counts(episode: Episode, kind: str) -> Array:
 
 @attrs.frozen(kw_only=True)
 class PathLength(Metric):
-    """Length of the true path."""
+    """Length of the true path that the robot drove. Where it was put elsewhere or kidnapped, that is no part of it."""
 
     unit: ClassVar[str] = "m"
     better: ClassVar[str] = "lower"
@@ -52,7 +53,10 @@ class PathLength(Metric):
 
 @attrs.frozen(kw_only=True)
 class Turning(Metric):
-    """Turning per path travelled, to either side: the lower, the smoother. nan for a robot that did not move."""
+    """Turning per path driven, to either side: the lower, the smoother. nan for a robot that did not move.
+
+    Where it was put elsewhere or kidnapped, it did not turn.
+    """
 
     unit: ClassVar[str] = "rad/m"
     better: ClassVar[str] = "lower"
@@ -63,7 +67,7 @@ class Turning(Metric):
 
     def measure(self, episode: Episode) -> Array:
         """See `Metric`."""
-        turned = total(np.abs(wrap_angle(np.diff(episode.kept["true_pose"][..., 2], axis=0))))
+        turned = total(np.abs(wrap_angle(episode.kept["true_pose"][1:, :, 2] - before_steps(episode)[..., 2])))
         lengths = _lengths(episode)
         return np.where(lengths > 0.0, turned / np.where(lengths > 0.0, lengths, 1.0), np.nan)
 

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Episode, Metric, parameter
 from amorsim.core.poses import wrap_angle
+from amorsim.metrics.jumps import jumps
 from amorsim.metrics.series import AT, at
 
 __all__ = ["HeadingError", "PositionError", "RecoveryTime"]
@@ -77,8 +78,8 @@ class HeadingError(Metric):
 class RecoveryTime(Metric):
     """Time until the estimated position is near the true one, and stays so for a while.
 
-    It counts from the last time that the robot was put elsewhere (`Simulation.set_pose`), or else from the start. A
-    replica that never recovers has none: nan.
+    It counts from the last time that the robot was put elsewhere (`Simulation.set_pose`) or kidnapped, or else from the
+    start. A replica that never recovers has none: nan.
     """
 
     unit: ClassVar[str] = "s"
@@ -96,21 +97,20 @@ class RecoveryTime(Metric):
         """See `Metric`."""
         near = _distances(episode, self.estimator) <= self.within
         found = np.full(near.shape[1], np.nan)
-        moved = dict.fromkeys(episode.replicas, episode.time[0])
-        for event in episode.events:
-            if event.kind == "pose_set":
-                moved[event.replica] = event.time
+        since, first = np.zeros((2, near.shape[1]), dtype=np.int64)
+        for jump in jumps(episode):
+            # At that time itself it was still where it had been.
+            since[jump.row], first[jump.row] = jump.place, jump.place + 1
         # Times are sums of steps; a hold of three of them is three.
         hold = self.hold * (1.0 - 1e-9)
-        for row, replica in enumerate(episode.replicas):
-            after = np.flatnonzero(episode.time >= moved[replica])
+        for row in range(near.shape[1]):
             begun = None
-            for step in after.tolist():
+            for step in range(first[row], len(near)):
                 if not near[step, row]:
                     begun = None
                     continue
                 begun = step if begun is None else begun
                 if episode.time[step] - episode.time[begun] >= hold:
-                    found[row] = episode.time[begun] - moved[replica]
+                    found[row] = episode.time[begun] - episode.time[since[row]]
                     break
         return found

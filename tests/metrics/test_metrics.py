@@ -45,8 +45,8 @@ def episode(true: Any, estimated: Any = None, events: Any = (), **kept: Any) -> 
     )
 
 
-def event(kind: str, time: float, replica: int = 0) -> am.Event:
-    return am.Event(tick=int(time / DT), time=time, replica=replica, kind=kind, name="rover")
+def event(kind: str, time: float, replica: int = 0, value: Any = None) -> am.Event:
+    return am.Event(tick=round(time / DT), time=time, replica=replica, kind=kind, name="rover", value=value)
 
 
 def straight(steps: int = 11, speed: float = 1.0) -> np.ndarray:
@@ -79,6 +79,18 @@ def test_the_path_has_the_length_and_the_turns_that_it_has() -> None:
     assert PathLength().measure(episode(poses)) == pytest.approx([1.0, 2.0])
     assert Turning().measure(episode(poses)) == pytest.approx([0.0, 0.25])
     assert np.isnan(Turning().measure(episode(straight(speed=0.0)))).all()
+
+
+@pytest.mark.parametrize("kind", ["pose_set", "kidnapped"])
+def test_what_a_robot_is_carried_is_no_way_that_it_drove(kind: str) -> None:
+    """Replica 0 is put to (4, 1) after the third step, turned by 2 rad; what it drives in that step counts."""
+    poses = straight()
+    poses[4:, 0] += [3.0 - 0.3, -1.0, 2.0]
+    seen = episode(poses, events=[event(kind, 0.3, 0, (2.0, 4.0, -1.0)), event(kind, 0.3, 0, [4.0, 1.0, 2.0])])
+    assert PathLength().measure(seen) == pytest.approx([1.0, 2.0])
+    assert Turning().measure(seen) == pytest.approx([0.0, 0.0], abs=1e-12)
+    late = episode(straight(), events=[event(kind, 1.0, 0, (4.0, 1.0, 2.0))])
+    assert PathLength().measure(late) == pytest.approx([1.0, 2.0])
 
 
 def test_events_are_counted_for_their_replica() -> None:
@@ -128,14 +140,17 @@ def test_coverage_is_the_area_that_a_disc_sweeps() -> None:
     assert found == pytest.approx(wanted, rel=0.01)
 
 
-def test_recovery_counts_from_the_last_kidnap() -> None:
+@pytest.mark.parametrize("kind", ["pose_set", "kidnapped"])
+def test_recovery_counts_from_the_last_kidnap(kind: str) -> None:
     true, estimated = straight(41), straight(41)
-    estimated[10:18, 0, 1] += 5.0
+    # At 1 s it still is where it was: the next step is the first elsewhere.
+    estimated[11:18, 0, 1] += 5.0
     estimated[:, 1, 1] += 5.0
-    seen = episode(true, estimated, [event("pose_set", 1.0)])
+    events = [event(kind, 0.5, 0, (1.0, 1.0, 0.0)), event(kind, 1.0, 0, (1.0, 2.0, 0.0))]
+    seen = episode(true, estimated, events)
     assert RecoveryTime().measure(seen) == pytest.approx([0.8, math.nan], nan_ok=True)
     estimated[20, 0, 1] += 5.0
-    again = episode(true, estimated, [event("pose_set", 1.0)])
+    again = episode(true, estimated, events)
     assert RecoveryTime(hold=1.0).measure(again)[0] == pytest.approx(1.1)
 
 
@@ -152,6 +167,14 @@ def test_nees_and_nis_of_known_covariances() -> None:
     values[7, 0, 1] = 1.0
     nis = episode(true, **{"beliefs.ekf.gps_nis": values})
     assert Nis(source="gps").measure(nis) == pytest.approx([2.0, math.nan], nan_ok=True)
+
+
+def test_a_kidnapped_robot_drove_as_far_as_the_run_says(tmp_path: Path) -> None:
+    away = am.Kidnapping(time=1.0, x=1.5, y=3.5, heading=2.0)
+    robot = building.robot(controller=am.controllers.Square(side=1.0, speed=0.4), kidnappings=[away])
+    summary = am.run(building.scenario(robot, dt=0.1), tmp_path / "run", duration=3.0)
+    assert measure(tmp_path / "run", PathLength())[0] == pytest.approx(summary.distance["rover"], rel=1e-3)
+    assert np.isnan(measure(tmp_path / "run", RecoveryTime())[0])
 
 
 def test_metrics_of_files_are_those_of_the_simulation(tmp_path: Path) -> None:
