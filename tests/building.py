@@ -15,6 +15,7 @@ from amorsim.controllers.manual import Manual
 from amorsim.core.map import Map
 from amorsim.core.shapes import Shape
 from amorsim.drives.differential import Differential
+from amorsim.drives.tractor import Tractor
 from amorsim.estimators.dead_reckoning import DeadReckoning
 from amorsim.noise.gaussian import Gaussian
 from amorsim.noise.quantize import Quantize
@@ -33,6 +34,13 @@ def drive(**changes: Any) -> Differential:
     """The Pioneer's drive, with rates that no test reaches."""
     given = {"wheel_radius_left": RADIUS, "wheel_radius_right": RADIUS, "track": TRACK, "rate_max": 1e6}
     return Differential(**(given | changes))
+
+
+def tractor(**changes: Any) -> Tractor:
+    """The Pioneer's drive with a trailer."""
+    given = {"trailer_length": 0.5, "trailer_width": 0.3, "trailer_front": 0.1, "trailer_rear": 0.1}
+    wheels = {"wheel_radius_left": RADIUS, "wheel_radius_right": RADIUS, "track": TRACK, "rate_max": 1e6}
+    return Tractor(**(wheels | given | changes))
 
 
 def encoder(**changes: Any) -> Encoder:

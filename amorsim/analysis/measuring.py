@@ -16,6 +16,7 @@ from amorsim.contracts import Episode, Metric
 from amorsim.core.arguments import check_kind
 from amorsim.core.errors import AnalysisError
 from amorsim.core.map import Map
+from amorsim.scenario.spec import Robot
 from amorsim.simulation.events import Event
 from amorsim.worlds.drawn import map_of, origin_of
 
@@ -54,9 +55,10 @@ def episode_of(files: RunFiles, needs: Sequence[str], *, robot: str | None = Non
     """What metrics see of a run; errors as of `measure`."""
     robot = files.robots[0] if robot is None else robot
     poses = files.arrays("poses", robot=robot)
+    specified = next(each for each in files.scenario.robots if each.name == robot)
     kept: dict[str, npt.NDArray[Any]] = {}
     for name in needs:
-        kept[name] = np.array(poses[name] if name in _OF_POSES else _read(files, name, robot))
+        kept[name] = np.array(poses[name] if name in _OF_POSES else _read(files, name, specified))
     steps = min([len(poses["time"]), *(len(array) for array in kept.values())])
     return Episode(
         robot=robot,
@@ -65,7 +67,8 @@ def episode_of(files: RunFiles, needs: Sequence[str], *, robot: str | None = Non
         kept={name: array[:steps] for name, array in kept.items()},
         events=_events(files, robot),
         map=files.scenario.map,
-        shape=next(each.shape for each in files.scenario.robots if each.name == robot),
+        shape=specified.shape,
+        parts=specified.drive.parts,
         maps=() if origin_of(files.scenario.map) is None else _Worlds(files),
     )
 
@@ -85,11 +88,12 @@ class _Worlds(Sequence[Map]):
         return map_of(self._files.scenario.map, self._files.replicas[row])
 
 
-def _read(files: RunFiles, name: str, robot: str) -> npt.NDArray[Any]:
+def _read(files: RunFiles, name: str, specified: Robot) -> npt.NDArray[Any]:
+    robot = specified.name
     kind, _, rest = name.partition(".")
     whose, _, what = rest.partition(".")
     if name == "covariance":
-        first = next(iter(next(each.estimators for each in files.scenario.robots if each.name == robot)))
+        first = next(iter(specified.estimators))
         return files.arrays(f"estimates/{first}", robot=robot)["covariance"]
     if kind == "estimates" and what in ("pose", "covariance") and whose in files.estimators:
         return files.arrays(f"estimates/{whose}", robot=robot)[what]
@@ -101,7 +105,23 @@ def _read(files: RunFiles, name: str, robot: str) -> npt.NDArray[Any]:
         return files.arrays("velocities", robot=robot)["true_twist"]
     if name == "command":
         return files.arrays("commands", robot=robot)["command"]
+    if name == "part_pose":
+        return _part_poses(files, specified)
     raise AnalysisError(f"{files.folder}: the files of this run do not hold {name!r}, which the metric needs")
+
+
+def _part_poses(files: RunFiles, robot: Robot) -> Array:
+    """Where a robot's parts were `(S, R, parts, 3)`; up to the last step that all have, of a run that was killed."""
+    parts = robot.drive.parts
+    if not parts:
+        return np.empty((len(files.arrays("poses")["time"]), len(files.replicas), 0, 3))
+    found = []
+    for replica in files.replicas:
+        table = files.table("parts", replica=replica)
+        poses = np.stack([table[key] for key in ("x", "y", "heading")], axis=1)
+        found.append([poses[table["part"] == f"{robot.name}.{part.name}"] for part in parts])
+    steps = min(len(of_part) for of_replica in found for of_part in of_replica)
+    return np.array([[of_part[:steps] for of_part in of_replica] for of_replica in found]).transpose(2, 0, 1, 3)
 
 
 def _events(files: RunFiles, robot: str) -> list[Event]:

@@ -10,6 +10,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.contracts.robot import Part
 from amorsim.contracts.values import Array
 from amorsim.core.map import Map
 from amorsim.core.shapes import Shape
@@ -35,6 +36,8 @@ class Episode:
     """The true world; that of replica 0 if replicas have worlds of their own, see `map_of`."""
     shape: Shape
     """The robot's footprint."""
+    parts: Sequence[Part] = ()
+    """Its other bodies, such as a trailer. Where they were, in this order, is the quantity ``"part_pose"``."""
     maps: Sequence[Map] = ()
     """(R,) the true world of each row, if replicas have worlds of their own; else empty."""
 

@@ -21,7 +21,7 @@ _MOST_CELLS = 4_000_000  # of the floor, in a replica
 
 @attrs.frozen(kw_only=True)
 class Clearance(Metric):
-    """Least gap between the robot's footprint and the walls, at any step; 0 if it touched one."""
+    """Least gap between the robot, or a part of it as a trailer, and the walls, at any step; 0 if it touched one."""
 
     unit: ClassVar[str] = "m"
     better: ClassVar[str] = "higher"
@@ -30,16 +30,20 @@ class Clearance(Metric):
 
     def needs(self) -> Sequence[str]:
         """See `Metric`."""
-        return ("true_pose",)
+        return ("true_pose", "part_pose")
 
     def measure(self, episode: Episode) -> Array:
         """See `Metric`."""
-        true = episode.kept["true_pose"]
-        least = np.empty(len(episode.replicas))
+        parts = episode.kept["part_pose"]
+        bodies = [(episode.shape, episode.kept["true_pose"])]
+        bodies += [(part.shape, parts[:, :, place]) for place, part in enumerate(episode.parts)]
+        least = np.full(len(episode.replicas), self.most)
         for row in range(len(least)):
-            gaps, _ = wall_gaps(episode.map_of(row), [episode.shape] * len(true), true[:, row], self.most)
-            least[row] = gaps.min()
-        return np.maximum(least, 0.0)
+            world = episode.map_of(row)
+            for shape, poses in bodies:
+                gaps, _ = wall_gaps(world, [shape] * len(poses), poses[:, row], self.most)
+                least[row] = min(least[row], gaps.min())
+        return np.asarray(np.maximum(least, 0.0))
 
 
 @attrs.frozen(kw_only=True)

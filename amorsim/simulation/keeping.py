@@ -19,7 +19,7 @@ Array = npt.NDArray[Any]
 Pick = Callable[[Frame], Array | None]
 
 _OWN = ("true_pose", "estimated_pose", "covariance", "active", "by_hand", "touching")
-_OF_FRAME = ("true_twist", "joint_rates", "command")
+_OF_FRAME = ("true_twist", "joint_rates", "command", "part_pose")
 _OF_READING = ("measured", "true", "stamp", "age", "fresh")
 _OF_ESTIMATE = ("pose", "covariance")
 
@@ -45,6 +45,7 @@ class Keeper:
     ``true_twist``              (S, N, 3) mean over the step, [m/s, m/s, rad/s]
     ``joint_rates``             (S, N, joints) [rad/s]
     ``command``                 (S, N, channels)
+    ``part_pose``               (S, N, parts, 3) true, of each robot's parts such as trailers [m, m, rad]
     ``active``                  (S, N), whether the controller has not ended; ``by_hand``, ``touching`` too
     ``readings.NAME``           (S, N, values) as measured; ``readings.NAME.true``, ``.stamp``, ``.age``, ``.fresh``
     ``estimates.NAME.pose``     (S, N, 3); ``estimates.NAME.covariance`` (S, N, 3, 3)

@@ -252,6 +252,7 @@ def episode_at(
         The places of the replicas.
     """
     scenario: Scenario = simulation.scenario
+    specified = next(each for each in scenario.robots if each.name == robot)
     names, dt = simulation.names, simulation.dt
     replicas = [simulation.replicas[row] for row in rows.tolist()]
     places = rows * len(names) + names.index(robot)
@@ -267,7 +268,8 @@ def episode_at(
             if event.name == robot and event.replica in wanted and event.time <= end * dt * (1.0 + 1e-12)
         ],
         map=scenario.map,
-        shape=next(each.shape for each in scenario.robots if each.name == robot),
+        shape=specified.shape,
+        parts=specified.drive.parts,
         maps=() if origin_of(scenario.map) is None else [simulation.map_of(replica) for replica in replicas],
     )
 

@@ -7,8 +7,9 @@ from typing import Any
 import attrs
 import numpy as np
 
-from amorsim.contracts import Episode, Metric
+from amorsim.contracts import Episode, Metric, Part
 from amorsim.core.map import Map
+from amorsim.core.poses import compose
 from amorsim.core.shapes import Shape
 from amorsim.simulation.events import Event
 from amorsim.testing.failure import Who
@@ -70,6 +71,9 @@ def _episode(needs: Any) -> Episode:
         last = name.rpartition(".")[2]
         if name == "true_pose":
             kept[name] = true.copy()
+        elif name == "part_pose":
+            kept[name] = compose(true.reshape(-1, 3), np.tile([-0.5, 0.0, 0.0], (true[..., 0].size, 1)))
+            kept[name] = kept[name].reshape(_STEPS, _ROWS, 1, 3)
         elif last == "covariance":
             kept[name] = covariance.copy()
         elif last in ("estimated_pose", "pose"):
@@ -92,4 +96,5 @@ def _episode(needs: Any) -> Episode:
         events=events,
         map=Map.from_segments(walls, resolution=0.01),
         shape=Shape.circle(0.2),
+        parts=(Part("trailer", Shape.circle(0.1)),),
     )

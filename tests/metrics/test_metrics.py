@@ -38,7 +38,12 @@ def episode(true: Any, estimated: Any = None, events: Any = (), **kept: Any) -> 
         robot="rover",
         replicas=tuple(range(true.shape[1])),
         time=DT * np.arange(len(true)),
-        kept={"true_pose": true, "estimated_pose": true if estimated is None else np.asarray(estimated, float), **kept},
+        kept={
+            "true_pose": true,
+            "part_pose": np.empty((*true.shape[:2], 0, 3)),
+            "estimated_pose": true if estimated is None else np.asarray(estimated, float),
+            **kept,
+        },
         events=list(events),
         map=building.room(),
         shape=am.Shape.circle(0.2),
@@ -117,6 +122,19 @@ def test_clearance_is_the_least_gap_to_a_wall() -> None:
     assert found == pytest.approx([0.8, 0.8], abs=2e-3)
     assert Clearance(most=0.1).measure(episode(straight())) == pytest.approx([0.1, 0.1])
     assert Clearance().measure(episode(straight() - [0.9, 0.0, 0.0])).tolist() == [0.0, 0.0]
+
+
+def test_clearance_is_of_trailers_too(tmp_path: Path) -> None:
+    pulled = building.robot(drive=building.tractor(), pose=am.Pose(x=1.2, y=2.0), name="b")
+    alone = building.robot(pose=am.Pose(x=4.0, y=2.0), name="a")
+    scenario = building.scenario(alone, pulled)
+    am.run(scenario, tmp_path / "run", duration=0.2, replicas=2)
+    simulation = am.Simulation(scenario, replicas=2)
+    (trailer,) = building.tractor().parts
+    gaps, _ = wall_gaps(scenario.map, [trailer.shape] * 2, simulation.part_pose, 2.0)
+    assert measure(tmp_path / "run", Clearance(), robot="b") == pytest.approx(gaps, abs=1e-5)
+    gaps, _ = wall_gaps(scenario.map, [alone.shape], np.array([[4.0, 2.0, 0.0]]), 2.0)
+    assert measure(tmp_path / "run", Clearance(), robot="a") == pytest.approx([gaps[0]] * 2, abs=1e-5)
 
 
 def test_clearance_is_of_each_replicas_own_world(tmp_path: Path) -> None:

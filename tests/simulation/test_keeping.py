@@ -46,6 +46,17 @@ def test_what_is_kept_is_what_the_simulation_has_after_each_step() -> None:
     assert kept["active"].dtype == bool
 
 
+def test_parts_are_kept_by_robot() -> None:
+    alone, pulled = building.robot(name="a", pose=am.Pose(x=4.0, y=3.0)), building.robot(drive=building.tractor())
+    simulation = am.Simulation(building.scenario(alone, pulled), replicas=2)
+    kept = simulation.run(0.2, keep=["part_pose"])["part_pose"]
+    assert kept.shape == (simulation.steps_of(0.2), 4, 1, 3)
+    assert np.isnan(kept[:, ::2]).all()
+    assert (kept[-1, 1::2, 0] == simulation.part_pose).all()
+    without = am.Simulation(one_robot()).run(0.2, keep=["part_pose"])["part_pose"]
+    assert without.shape[1:] == (1, 0, 3)
+
+
 def test_keeping_changes_no_bit() -> None:
     with_, without = (am.Simulation(one_robot(), replicas=2) for _ in range(2))
     with_.run(1.0, keep=NAMES)

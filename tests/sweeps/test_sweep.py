@@ -60,6 +60,41 @@ model = "pioneer2dx"
     assert len(set(study["c"].tolist())) == 3
 
 
+def test_a_trailer_that_meets_a_wall_has_no_clearance(tmp_path: Path) -> None:
+    metrics = {"gap": {"use": "clearance"}, "hits": {"use": "collisions"}}
+    given = tables(tmp_path / "s", scenario="back.toml", axes=None, replicas=1, duration=20.0, metrics=metrics)
+    (tmp_path / "s" / "back.py").write_text("def drive(readings, estimate, clock):\n    return (-4.0, -4.0)\n")
+    (tmp_path / "s" / "back.toml").write_text(
+        """
+format = 1
+
+[world]
+map = "rooms.wld"
+
+[[robots]]
+name = "rover"
+model = "pioneer2dx"
+pose = { x = 2.0, y = 1.0 }
+controller = { use = "back.py:drive" }
+
+[robots.drive]
+use = "tractor"
+wheel_radius_left = 0.1
+wheel_radius_right = 0.1
+track = 0.4
+rate_max_deg = 600.0
+trailer_length = 0.6
+trailer_width = 0.4
+trailer_front = 0.1
+trailer_rear = 0.2
+"""
+    )
+    study = am.sweep(study_file(tmp_path / "s" / "study.toml", given), tmp_path / "out")
+    assert study.failures == []
+    assert study["hits"].tolist() == [1.0]
+    assert study["gap"][0] == pytest.approx(0.0, abs=1e-6)
+
+
 def test_a_study_is_a_dict_of_arrays_and_a_frame(tmp_path: Path) -> None:
     am.sweep(tables(tmp_path / "s"), tmp_path / "out")
     study = am.read_study(tmp_path / "out")
