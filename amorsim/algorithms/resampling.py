@@ -87,13 +87,15 @@ def permutation_p(differences: Array, *, resamples: int = RESAMPLES) -> float:
     """How probably the mean of paired differences `(n,)` is at least so far from 0 if there is no difference.
 
     Then each difference is as likely as its negative: all signs are tried up to 12 pairs, `resamples` random ones
-    beyond. Two-sided.
+    beyond. Two-sided. nan if a difference is nan, as are an interval and an effect then.
     """
     differences = numbers(differences, "differences", ("n",))
     resamples = whole(resamples, "resamples", "a whole number > 0", least=1)
     count = len(differences)
     if not count:
         raise ValueError("expected one difference at least, got none")
+    if np.isnan(differences).any():
+        return math.nan
     # A sum that is as far from 0 as the real one is counted, whatever rounding did to it.
     wanted = abs(float(np.sum(differences))) * (1.0 - 1e-12)
     if count <= _ALL_UP_TO:

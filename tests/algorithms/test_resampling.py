@@ -77,6 +77,13 @@ def test_no_difference_at_all_has_p_of_one() -> None:
     assert permutation_p(np.zeros(50)) == 1.0
 
 
+@pytest.mark.parametrize("count", [2, 50])
+def test_of_differences_that_are_not_all_known_nothing_is_said(count: int) -> None:
+    differences = np.arange(1.0, count + 1.0)
+    differences[-1] = math.nan
+    assert math.isnan(permutation_p(differences))
+
+
 def test_the_effect_is_cohens_d() -> None:
     differences = np.array([1.0, 2.0, 3.0])
     assert paired_effect(differences) == pytest.approx(2.0)
