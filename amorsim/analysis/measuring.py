@@ -93,6 +93,10 @@ def _read(files: RunFiles, name: str, specified: Robot) -> npt.NDArray[Any]:
     kind, _, rest = name.partition(".")
     whose, _, what = rest.partition(".")
     if name == "covariance":
+        if not specified.estimators:
+            raise AnalysisError(
+                f"{files.folder}: robot {robot!r} has no estimator, so there is no 'covariance', which the metric needs"
+            )
         first = next(iter(specified.estimators))
         return files.arrays(f"estimates/{first}", robot=robot)["covariance"]
     if kind == "estimates" and what in ("pose", "covariance") and whose in files.estimators:

@@ -195,6 +195,12 @@ def test_a_kidnapped_robot_drove_as_far_as_the_run_says(tmp_path: Path) -> None:
     assert np.isnan(measure(tmp_path / "run", RecoveryTime())[0])
 
 
+def test_a_robot_without_estimators_has_no_covariance_to_measure(tmp_path: Path) -> None:
+    am.run(building.scenario(building.robot(estimators={})), tmp_path / "run", duration=0.2)
+    with pytest.raises(am.AnalysisError, match=r"run: robot 'rover' has no estimator, .* no 'covariance'"):
+        measure(tmp_path / "run", Nees())
+
+
 def test_metrics_of_files_are_those_of_the_simulation(tmp_path: Path) -> None:
     scenario = am.load("landmarks")
     am.run(scenario, tmp_path / "run", duration=5.0, replicas=3)
