@@ -190,10 +190,11 @@ def _simulate(
 
 
 class _Collided:
-    """Replicas in which something ran into something."""
+    """Replicas in which a robot ran into something, or something into a robot."""
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
+        self._robots = frozenset(simulation.names)  # obstacles that move collide too
         self._seen = 0
         self._places = {replica: row for row, replica in enumerate(simulation.replicas)}
 
@@ -201,7 +202,7 @@ class _Collided:
         """Those of the last step `(R,)`."""
         found = np.zeros(len(self._places), dtype=bool)
         for event in self._simulation.events[self._seen :]:
-            if event.kind == "collision":
+            if event.kind == "collision" and event.name in self._robots:
                 found[self._places[event.replica]] = True
         self._seen = len(self._simulation.events)
         return found

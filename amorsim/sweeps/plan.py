@@ -65,7 +65,7 @@ class Plan:
         In place of the scenario's [s].
     stop
         When a replica ends before that: ``"never"``; ``"still"``, when none of its robots has moved for a second, after
-        one had; ``"collision"``, at the first one.
+        one had; ``"collision"``, at a robot's first one.
     tables
         The study's file, as plain values.
     files

@@ -261,6 +261,16 @@ def test_replicas_end_at_a_collision(tmp_path: Path) -> None:
     assert json.loads((folder / "run.json").read_text())["steps_done"] < 500
 
 
+def test_a_moving_obstacle_that_meets_a_wall_ends_no_replica(tmp_path: Path) -> None:
+    given = tables(tmp_path / "s", replicas=1, axes=None, duration=3.0)
+    cart = {"shape": {"circle": 0.2}, "motion": {"use": "loop", "waypoints": [[7.0, 4.0], [9.0, 4.0]], "speed": 1.0}}
+    with_cart = given | {"axes": {"obstacles": [[cart]]}}
+    whole = am.sweep(with_cart, tmp_path / "whole", keep="all")
+    (folder,) = (tmp_path / "whole" / "runs").iterdir()
+    assert "obstacle1,collision,wall," in (folder / "events.csv").read_text()
+    assert am.sweep(with_cart | {"stop": "collision"}, tmp_path / "short")["digest"] == whole["digest"]
+
+
 def test_kept_runs_leave_folders_that_reproduce(tmp_path: Path) -> None:
     study = am.sweep(tables(tmp_path / "s", replicas=2, seeds=[3]), tmp_path / "out", keep=[1])
     (folder,) = (tmp_path / "out" / "runs").iterdir()
