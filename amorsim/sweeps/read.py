@@ -186,7 +186,7 @@ def _axis(name: str, node: Node, files: list[str]) -> Axis | None:
         node.fault("expected one value at least, got none")
         return None
     labels = _labels(values)
-    if len(set(map(repr, labels))) < len(labels):
+    if len(set(map(_identity, labels))) < len(labels):
         node.fault(f"expected different values, got {shown(values)}")
         return None
     anchored = [_anchored(value, node.folder, files) for value in values]
@@ -280,6 +280,11 @@ def _labels(values: list[Any]) -> list[Any]:
         if all(isinstance(use, str) for use in uses) and len(set(uses)) == len(uses):
             return uses
     return [value if isinstance(value, (bool, int, float, str)) else as_toml(value) for value in values]
+
+
+def _identity(label: Any) -> str:
+    """What two labels have in common if they are the same value: 1 and 1.0 are, 1 and true are not."""
+    return repr(int(label) if isinstance(label, float) and label.is_integer() else label)
 
 
 def _anchored(value: Any, folder: Path, files: list[str]) -> Any:

@@ -287,6 +287,7 @@ def test_kept_runs_leave_folders_that_reproduce(tmp_path: Path) -> None:
         ({"axes": {"robots.scout.pose.x": [1.0]}}, r"no value of this axis can be set: .*scout"),
         ({"axes": {TRACK: []}}, r"expected one value at least, got none"),
         ({"axes": {TRACK: [1.0, 1.0]}}, r"expected different values"),
+        ({"axes": {TRACK: [1, 1.0, 1.1]}}, r"expected different values"),
         ({"axes": {TRACK: {"from": 0.0, "to": 1.0}}}, r"expected count or step"),
         ({"axes": {"seed": [1, 2]}}, r"the table has a column 'seed' of its own"),
         ({"axes": {"length": [1, 2]}}, r"an axis is called 'length' too"),
