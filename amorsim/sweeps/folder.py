@@ -6,12 +6,13 @@ import contextlib
 import hashlib
 import json
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from amorsim.core.errors import AmorsimError, RunError, StudyError
 from amorsim.core.whole_files import write_text
+from amorsim.runs.about import read_about
 from amorsim.runs.folder import check_free, circumstances, fingerprints
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.write import table_text, with_copies
@@ -124,9 +125,22 @@ class StudyFolder:
         chunk = self._plan.chunk(index)
         return self.path / "runs" / f"point-{chunk.point:06d}-seed-{max(chunk.seed, 0)}"
 
-    def missing(self) -> list[int]:
-        """The chunks that are not done."""
-        return [index for index in range(self._plan.chunks) if not self._file(index).exists()]
+    def missing(self, kept: Collection[int]) -> list[int]:
+        """The chunks that are not done; and of the points of `kept` those that have left no folder of their run.
+
+        Computed again, they come out the same.
+        """
+        chunks = range(self._plan.chunks)
+        return [index for index in chunks if not self._file(index).exists() or (kept and self._lacks_run(index, kept))]
+
+    def _lacks_run(self, index: int, kept: Collection[int]) -> bool:
+        """Whether a chunk that is done should have left the whole folder of its run, and has not."""
+        if self._plan.chunk(index).point not in kept or self._read(index).error:
+            return False
+        try:
+            return bool(read_about(self.run_folder(index))["status"] != "finished")
+        except RunError:
+            return True
 
     def write(self, outcome: Outcome) -> None:
         """Write down what came of a chunk; raises `StudyError` if it cannot be written."""

@@ -64,7 +64,8 @@ def sweep(
         The address of a Dask scheduler, or a client, in place of `jobs`. Workers must find the study's files under the
         same paths.
     keep
-        Which points leave the folders of their runs in ``runs``: ``"none"``, ``"all"``, or their numbers.
+        Which points leave the folders of their runs in ``runs``: ``"none"``, ``"all"``, or their numbers. Those that
+        were done without are computed again, with the same results.
     progress
         Called at the beginning and after every chunk.
 
@@ -85,7 +86,7 @@ def sweep(
     kept = _kept(keep, plan)
     scenario = _checked(plan)
     folder = StudyFolder(path, plan, scenario)
-    missing = folder.missing()
+    missing = folder.missing(kept)
     folder.forget_begun()
 
     def work_of(index: int) -> Work:

@@ -280,6 +280,23 @@ def test_kept_runs_leave_folders_that_reproduce(tmp_path: Path) -> None:
     assert list(about["digests"].values()) == study["digest"][study["point"] == 1].tolist()
 
 
+def test_runs_are_kept_of_what_was_done_without(tmp_path: Path) -> None:
+    given = tables(tmp_path / "s", replicas=2, axes={"robots.rover.pose.x": [1.0, -5.0, 1.1]}, duration=0.2)
+    runs, counts = tmp_path / "out" / "runs", []
+    first = am.sweep(given, tmp_path / "out")
+    again = am.sweep(given, tmp_path / "out", keep="all", progress=lambda now: counts.append(now.total - now.done))
+    assert same(first, again)
+    assert counts == [2, 1, 0]  # the point that fails leaves no folder, and is not tried again
+    assert sorted(folder.name for folder in runs.iterdir()) == ["point-000000-seed-0", "point-000002-seed-0"]
+    counts.clear()
+    # A run that was broken off is none.
+    (runs / "point-000002-seed-0" / "run.json").write_text("{")
+    am.sweep(given, tmp_path / "out", keep=[0], progress=lambda now: counts.append(now.total - now.done))
+    am.sweep(given, tmp_path / "out", keep=[2], progress=lambda now: counts.append(now.total - now.done))
+    assert counts == [0, 1, 0]
+    assert am.reproduce(runs / "point-000002-seed-0").is_exact
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
