@@ -116,23 +116,31 @@ def _blocks(resamples: int, count: int) -> Sequence[int]:
 
 
 def paired_effect(differences: Array) -> float:
-    """Cohen's d of paired differences: their mean over their standard deviation; inf if all are alike, and not 0."""
+    """Cohen's d of paired differences: their mean over their standard deviation; inf if all are alike, and not 0.
+
+    One difference alone has no deviation, and nan as its effect.
+    """
     differences = numbers(differences, "differences", ("n",))
     if not len(differences):
         raise ValueError("expected one difference at least, got none")
+    if len(differences) == 1:
+        return math.nan
     mean = float(np.mean(differences))
-    spread = float(np.std(differences, ddof=1)) if len(differences) > 1 else 0.0
+    spread = float(np.std(differences, ddof=1))
     if spread <= 1e-12 * abs(mean):
         return math.copysign(math.inf, mean) if mean else 0.0
     return mean / spread
 
 
 def holm(p_values: Sequence[float]) -> list[float]:
-    """p-values corrected for their number (Holm 1979): below 0.05, they are significant together at 5 %."""
+    """p-values corrected for their number (Holm 1979): below 0.05, they are significant together at 5 %.
+
+    A nan is of no test: it stays, and does not count.
+    """
     p_values = numbers(p_values, "p_values", ("n",)).tolist()
-    order = sorted(range(len(p_values)), key=p_values.__getitem__)
-    corrected, largest = [0.0] * len(p_values), 0.0
-    for rank, place in enumerate(order):
-        largest = max(largest, min(1.0, (len(p_values) - rank) * p_values[place]))
+    tests = [place for place, value in enumerate(p_values) if not math.isnan(value)]
+    corrected, largest = [math.nan] * len(p_values), 0.0
+    for rank, place in enumerate(sorted(tests, key=p_values.__getitem__)):
+        largest = max(largest, min(1.0, (len(tests) - rank) * p_values[place]))
         corrected[place] = largest
     return corrected

@@ -60,9 +60,9 @@ class Difference:
     unpaired_low, unpaired_high
         The interval that the same values give if one forgets which belong together (Welch).
     p, p_corrected
-        By a permutation test, two-sided; corrected for all differences of the comparison (Holm).
+        By a permutation test, two-sided; corrected for all differences of the comparison (Holm). nan without pairs.
     effect
-        Cohen's d of the paired differences.
+        Cohen's d of the paired differences; nan of fewer than two.
     gain
         Variance of the difference of independent values, over that of paired ones: above 1, pairing pays.
     better
@@ -92,6 +92,11 @@ class Difference:
         return self.p_corrected < LEVEL
 
     def __str__(self) -> str:
+        if self.pairs < 2:
+            return (
+                f"{self.metric}: nothing may be claimed of {self.first} and {self.second}: expected two pairs at least "
+                f"in which both have a value, got {self.pairs}"
+            )
         unit = f" {self.unit}" if self.unit else ""
         figures = (
             f"{abs(self.mean):.4g}{unit} on the mean (95 % interval of the difference {self.low:.4g} to "
@@ -108,7 +113,7 @@ class Difference:
 
 
 def _p(value: float) -> str:
-    return f"p = {value:.2g}" if value >= 0.001 else "p < 0.001"
+    return "p < 0.001" if value < 0.001 else f"p = {value:.2g}"
 
 
 @attrs.frozen(kw_only=True, eq=False)
@@ -341,7 +346,7 @@ def _difference(
     together = math.nan if few else float(np.var(differences, ddof=1))
     mean = float(np.mean(differences)) if len(differences) else math.nan
     half = _welch(a, b)
-    p = permutation_p(differences) if len(differences) else 1.0
+    p = permutation_p(differences) if len(differences) else math.nan
     return Difference(
         metric=metric,
         unit=about["unit"],

@@ -74,6 +74,22 @@ def test_pairs_without_a_value_are_left_out_and_counted() -> None:
     assert [each.missing for each in found.summaries] == [1, 0]
 
 
+def test_a_metric_without_pairs_is_no_test_that_p_values_are_corrected_for() -> None:
+    two = {label: {key: [*values, math.nan] for key, values in found.items()} for label, found in systems().items()}
+    error, arrival = paired(two, LOWER | {"arrival": {"unit": "s", "better": "lower"}}).differences
+    assert error.p_corrected == error.p
+    assert math.isnan(arrival.p_corrected)
+    assert not arrival.is_significant
+    assert str(arrival).startswith("arrival: nothing may be claimed of a and b: expected two pairs at least")
+
+
+def test_one_pair_has_no_effect_size() -> None:
+    two = {"a": {(1, 0): [1.0]}, "b": {(1, 0): [2.0]}}
+    (found,) = paired(two, LOWER).differences
+    assert math.isnan(found.effect)
+    assert str(found).endswith("in which both have a value, got 1")
+
+
 def test_systems_without_a_common_seed_are_refused() -> None:
     with pytest.raises(am.AnalysisError, match=r"a and b have no seed and replica in common"):
         paired({"a": {(1, 0): [1.0]}, "b": {(2, 0): [1.0]}}, LOWER)
