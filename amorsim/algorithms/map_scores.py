@@ -77,11 +77,15 @@ def map_scores(
     Raises
     ------
     ValueError
-        If the shapes differ, a probability is not between 0 and 1, or the margin is not below 0.5.
+        If the shapes differ, a probability is not between 0 and 1, the resolution is not above 0, or the margin is not
+        below 0.5.
     """
     probability = numbers(probability, "probability", ("rows", "columns"))
     true = numbers(truth, "truth", probability.shape)
-    resolution = real(resolution, "resolution", "the side of a cell [m]")
+    side = "the side of a cell, a number > 0 [m]"
+    resolution = real(resolution, "resolution", side)
+    if resolution <= 0.0:
+        raise ParameterError("resolution", f"expected {side}, got {resolution:g}")
     between = "a number >= 0 and < 0.5"
     margin = real(margin, "margin", between)
     if not 0.0 <= margin < 0.5:

@@ -75,6 +75,12 @@ def test_a_margin_is_less_than_a_half(margin: Any) -> None:
         map_scores(np.zeros((2, 2)), np.zeros((2, 2), np.int64), 0.1, margin=margin)
 
 
+@pytest.mark.parametrize("resolution", [0.0, -0.1, "0.1", None, math.inf])
+def test_a_cell_has_a_side(resolution: Any) -> None:
+    with pytest.raises(ValueError, match=r"resolution: expected the side of a cell, a number > 0 \[m\], got"):
+        map_scores(np.zeros((2, 2)), np.zeros((2, 2), np.int64), resolution)
+
+
 @pytest.mark.parametrize("walls", [None, 3, [[1, 2], [3]], np.zeros((2, 3))])
 def test_what_are_no_walls_is_refused(walls: Any) -> None:
     with pytest.raises(ValueError, match=r"walls: expected numbers of the shape \(M, 4\)"):
