@@ -1,12 +1,15 @@
-"""Which noise can stand in a sensor's chain, and for which of the sensor's columns."""
+"""A sensor's columns; which noise can stand in its chain, and for which of them."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
 
 from amorsim.contracts import Noise, Sensor
 from amorsim.core.errors import did_you_mean
 from amorsim.core.parameters import describe
+from amorsim.core.trouble import RAISED, error_in_words, in_words
 
-__all__ = ["column_problem", "not_for_sensors"]
+__all__ = ["column_problem", "columns_problem", "not_for_sensors"]
 
 
 def not_for_sensors(noise: type[Noise]) -> str:
@@ -17,8 +20,35 @@ def not_for_sensors(noise: type[Noise]) -> str:
     )
 
 
+def columns_problem(sensor: Sensor, size: int | None = None) -> str:
+    """What is wrong with a sensor's `columns`, for a reading of `size` values if that is known; empty if nothing."""
+    try:
+        columns: object = sensor.columns()
+        items = list(columns.items()) if isinstance(columns, Mapping) else None
+    except RAISED as error:
+        return f"columns() raised {error_in_words(error)}"
+    if items is None:
+        return f"columns(): expected a dict of names and units, as in {{'range': 'm'}}, got {in_words(columns)}"
+    for name, unit in items:
+        # Names stand in the header lines of tables and beside curves.
+        if not _is_word(name) or not name:
+            return f"columns(): expected names in one line, without commas, got {in_words(name)}"
+        if not _is_word(unit):
+            return f"columns(): expected the unit of {name!r} in one line, without commas, got {in_words(unit)}"
+    if items and size is not None and size % len(items):
+        names = f"{len(items)}: {', '.join(repr(name) for name, _ in items)}"
+        return f"columns(): expected columns whose number divides the {size} values of a reading, got {names}"
+    return ""
+
+
+def _is_word(text: object) -> bool:
+    return isinstance(text, str) and text.isprintable() and "," not in text and text == text.strip()
+
+
 def column_problem(sensor: Sensor, noise: type[Noise], column: str) -> str:
     """What is wrong with a noise element of this class being for this column of a sensor, or nothing."""
+    if columns_problem(sensor):  # said of the sensor itself, by those who know its name
+        return ""
     columns = sensor.columns()
     if column in columns:
         return ""

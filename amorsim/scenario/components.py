@@ -12,7 +12,7 @@ from amorsim.core.errors import ControllerError, PluginError
 from amorsim.core.parameters import ParameterError
 from amorsim.motions.user import UserMotion
 from amorsim.plugins.registry import KINDS, Registry
-from amorsim.scenario.columns import column_problem, not_for_sensors
+from amorsim.scenario.columns import column_problem, columns_problem, not_for_sensors
 from amorsim.scenario.controller_files import (
     CONTROLLER,
     MOTION,
@@ -62,6 +62,9 @@ def read_sensor(node: Node, registry: Registry) -> MountedSensor | None:
     sensor: Sensor | None = _read(node, "sensor", registry, _SENSOR_KEYS)
     if not node.is_table:
         return None
+    if sensor is not None and (problem := columns_problem(sensor)):
+        node.fault(problem)
+        sensor = None
     values = read_fields(node, file_fields(MountedSensor, names=("rate", "latency")))
     if "mount" in node:
         values["mount"] = read_component(Mount, node.child("mount"))

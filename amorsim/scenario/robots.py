@@ -19,6 +19,7 @@ from amorsim.plugins.checks import check_name
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.bodies import read_pose, read_shape
+from amorsim.scenario.columns import columns_problem
 from amorsim.scenario.components import (
     read_chain,
     read_controller,
@@ -186,11 +187,13 @@ def _check_references(node: Node, values: Mapping[str, Any]) -> None:
 
 
 def _check_sizes(node: Node, drive: Drive, sensors: Mapping[str, MountedSensor | None]) -> None:
-    """A fault for each sensor whose parameters do not suit the drive."""
+    """A fault for each sensor whose parameters do not suit the drive, or whose columns do not suit its size."""
     for name, unit in sensors.items():
         try:
             if unit is not None:
-                whole(unit.sensor.size(drive), "size()", "a whole number >= 1", least=1)
+                size = whole(unit.sensor.size(drive), "size()", "a whole number >= 1", least=1)
+                if problem := columns_problem(unit.sensor, size):
+                    node.child("sensors").child(name).fault(problem)
         except ParameterError as error:
             at = node.child("sensors").child(name)
             if error.name == "size()":

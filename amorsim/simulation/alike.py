@@ -14,6 +14,7 @@ from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.core.rows import signature, stack
 from amorsim.core.trouble import RAISED, error_in_words
+from amorsim.scenario.columns import columns_problem
 from amorsim.scenario.spec import Robot
 from amorsim.worlds.drawn import origin_of
 
@@ -101,7 +102,7 @@ def poses_of(robots: Sequence[Robot]) -> npt.NDArray[np.float64]:
 
 
 def reading_size(robot: Robot, name: str) -> int:
-    """The number of values in a reading of a robot's sensor."""
+    """The number of values in a reading of a robot's sensor, with which its columns must agree."""
     sensor = robot.sensors[name].sensor
     what = f"sensor {name!r} ({type(sensor).__name__}) of robot {robot.name!r}"
     try:
@@ -111,6 +112,9 @@ def reading_size(robot: Robot, name: str) -> int:
     except RAISED as error:
         raise ComponentError(f"{what}: size() raised {error_in_words(error)}") from error
     try:
-        return whole(size, f"{what}: size()", "a whole number >= 1", least=1)
+        number = whole(size, f"{what}: size()", "a whole number >= 1", least=1)
     except ParameterError as error:
         raise ComponentError(str(error)) from None
+    if problem := columns_problem(sensor, number):
+        raise ComponentError(f"{what}: {problem}")
+    return number

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Aim, Controller, Emission, Estimator, Motion, Noise, Sensor, State
+from amorsim.scenario.columns import columns_problem
 from amorsim.simulation.beliefs import beliefs_problem
 from amorsim.simulation.controlling import report_problem
 from amorsim.simulation.feeding import estimate_readings, feeders
@@ -45,6 +46,13 @@ class SensorTrial(Trial[Sensor]):
         who.require(isinstance(first, int) and first > 0, "size", "size()", "a whole number > 0", repr(first))
         wanted = f"{first}, as only static parameters may change it"
         who.require(set(sizes) == {first}, "size", "size() with other numbers", wanted, sorted(set(sizes)))
+        for one in kin:
+            if problem := columns_problem(one, first):
+                who.fail("columns", problem.replace(", got ", ", found ", 1))
+        said = [dict(one.columns()) for one in kin]
+        same = all(list(columns.items()) == list(said[0].items()) for columns in said)
+        wanted = "the same, as only static parameters may change them"
+        who.require(same, "columns", "columns() with other numbers", wanted, "others")
         self.size = first
         self.widths = (first,) if first <= _MOST_ROWS else ()
 

@@ -4,6 +4,7 @@ import tomllib
 
 import pytest
 
+import amorsim as am
 from amorsim.core.errors import ScenarioError
 from amorsim.scenario.read import load, loads
 
@@ -361,3 +362,22 @@ def test_a_fault_of_a_model_has_the_line_in_the_models_file(registry, tmp_path, 
         load(path, registry=registry)
     (fault,) = caught.value.faults
     assert (fault.file, fault.line, fault.path) == (str(tmp_path / "cart.toml"), 5, "drive.track")
+
+
+@pytest.mark.parametrize(
+    ("columns", "words"),
+    [
+        (lambda self: 1 / 0, "columns() raised ZeroDivisionError"),
+        (lambda self: None, "columns(): expected a dict of names and units"),
+        (lambda self: {"a": "rad", "b": "rad"}, "columns(): expected columns whose number divides the 1 values"),
+    ],
+)
+@pytest.mark.parametrize("noise", ["[]", '[{ use = "gaussian", std_deg = 1.0 }]'])
+def test_wrong_columns_of_a_sensor_are_a_fault_in_its_place(faults, monkeypatch, columns, words, noise):
+    monkeypatch.setattr(am.sensors.Compass, "columns", columns)
+    robot = (
+        f'[[robots]]\nname = "rover"\nmodel = "pioneer2dx"\n[robots.sensors.north]\nuse = "compass"\nnoise = {noise}\n'
+    )
+    found = faults(robot)
+    assert "robots.0.sensors.north" in found
+    assert words in found["robots.0.sensors.north"]

@@ -236,6 +236,28 @@ def test_a_size_that_raises_names_robot_and_sensor():
     assert "sensor 'eye' (BadSensor) of robot 'rover': size() raised KeyError" in str(error)
 
 
+@pytest.mark.parametrize(
+    ("columns", "words"),
+    [
+        (lambda self: {}["range"], "columns() raised KeyError: 'range'"),
+        (lambda self: None, "columns(): expected a dict of names and units, as in {'range': 'm'}, got None"),
+        (
+            lambda self: ["a", "b"],
+            "columns(): expected a dict of names and units, as in {'range': 'm'}, got ['a', 'b']",
+        ),
+        (lambda self: {"a, b": "m"}, "columns(): expected names in one line, without commas, got 'a, b'"),
+        (lambda self: {"a": "m\n"}, "columns(): expected the unit of 'a' in one line, without commas, got 'm\\n'"),
+        (lambda self: dict.fromkeys("abc", "m"), "divides the 2 values of a reading, got 3: 'a', 'b', 'c'"),
+    ],
+)
+def test_wrong_columns_name_robot_and_sensor(monkeypatch, columns, words):
+    monkeypatch.setattr(BadSensor, "columns", columns)
+    for noise in ((), (am.noise.Gaussian(std=0.1),)):
+        error = error_of(with_sensor(BadSensor(at=""), *noise))
+        assert str(error).startswith("sensor 'eye' (BadSensor) of robot 'rover': columns()")
+        assert words in str(error)
+
+
 def test_a_plugins_controller_is_named_like_a_users():
     error = error_of(building.robot(controller=BadController()))
     assert isinstance(error, ControllerError)

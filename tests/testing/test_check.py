@@ -658,7 +658,28 @@ class NoMap(Text):
         return path.read_bytes() if path.exists() else super().load(path)  # type: ignore[return-value]
 
 
+@frozen
+class NoColumns(Range):
+    def columns(self) -> Mapping[str, str]:
+        return None  # type: ignore[return-value]
+
+
+@frozen
+class ThreeColumns(Range):
+    def columns(self) -> Mapping[str, str]:
+        return {"near": "m", "middle": "m", "far": "m"}
+
+
+@frozen
+class MovingColumns(Range):
+    def columns(self) -> Mapping[str, str]:
+        return {"near": "m", f"up to {self.range_max:g}": "m"}
+
+
 BROKEN = {
+    NoColumns: "columns",
+    ThreeColumns: "columns",
+    MovingColumns: "columns",
     LooksAhead: "time",
     SharedTime: "shapes",
     ForgetsTime: "aim",
