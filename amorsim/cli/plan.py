@@ -119,12 +119,14 @@ def _timed(
     planner: Planner, world: Map, ends: tuple[tuple[float, ...], tuple[float, ...]], body: Shape | None
 ) -> tuple[Plan, float, float]:
     """The plan, the time [s] it takes, and the time of the first one, with compiling and finding the map's cells."""
+    from amorsim.algorithms.plans import find_plan
+
     began = time.perf_counter()
-    plan = planner.plan(world, *ends, footprint=body)
+    plan = find_plan(planner, world, *ends, body)
     first = took = time.perf_counter() - began
     if first < _QUICK:
         began = time.perf_counter()
-        planner.plan(world, *ends, footprint=body)
+        find_plan(planner, world, *ends, body)
         took = min(first, time.perf_counter() - began)
     return plan, took, first
 

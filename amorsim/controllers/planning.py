@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 from weakref import WeakKeyDictionary
 
@@ -9,10 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.algorithms.cells import Cells, free_cells
+from amorsim.algorithms.plans import find_plan
 from amorsim.algorithms.speed_profile import pieces_of
 from amorsim.contracts import Beliefs, Plan, Planner, RobotModel, State
 from amorsim.controllers.pursuit import turn_back
-from amorsim.core.errors import PlanError
+from amorsim.core.errors import ComponentError, ControllerError, PlanError
 from amorsim.core.estimated_map import estimated_map
 from amorsim.core.map import Map
 from amorsim.core.shapes import Shape
@@ -89,7 +91,7 @@ class Ways(NamedTuple):
         for room in (self.wide, self.narrow):
             if room in found:
                 continue
-            plan, points = self._with_room(world, pose, goal, room)
+            plan, points = self._with_room(world, pose, goal, room, row)
             status, searched = ("refused", searched) if plan is None else (plan.status, plan.searched)
             if plan is not None and status == "found":
                 length = plan.length
@@ -123,7 +125,7 @@ class Ways(NamedTuple):
         plan = self.made.get(key)
         if plan is None:
             try:
-                plan = self.planner.plan(world, pose.tolist(), goal.tolist(), footprint=self.robot.shape)
+                plan = self._find(row, world, pose.tolist(), goal.tolist(), self.robot.shape)
             except PlanError:
                 return Answer("refused")
             if world is known and not self.mapper:
@@ -133,13 +135,23 @@ class Ways(NamedTuple):
         axle = polyline(plan.trailer) if len(plan.trailer) else plan.points[:0]
         return Answer("found", polyline(plan.poses), plan.searched, axle)
 
-    def _with_room(self, world: Map, pose: Array, goal: Array, room: float) -> tuple[Plan | None, Array]:
+    def _find(
+        self, row: int, world: Map, start: Sequence[float], goal: Sequence[float], footprint: Shape | None
+    ) -> Plan:
+        """The planner's plan for a row; what is wrong with it is said with the robot's name."""
+        try:
+            return find_plan(self.planner, world, start, goal, footprint)
+        except ComponentError as error:
+            name = self.robot.names[row] if self.robot.names else ""
+            raise ControllerError(f"{self.robot.who(row)}: {error}", robot=name) from error.__cause__
+
+    def _with_room(self, world: Map, pose: Array, goal: Array, room: float, row: int) -> tuple[Plan | None, Array]:
         """The plan, None if it was refused, and the points of its path from the robot itself on."""
         start = (float(pose[0]), float(pose[1]))
         out = self._way_out(world, start, room)
         footprint = Shape.circle(room) if room > 1e-6 else None
         try:
-            plan = self.planner.plan(world, out, (float(goal[0]), float(goal[1])), footprint=footprint)
+            plan = self._find(row, world, out, (float(goal[0]), float(goal[1])), footprint)
         except PlanError:
             return None, np.empty((0, 2))
         if plan.status != "found" or out == start:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -151,6 +152,37 @@ def test_a_mistake_is_said_in_words(
 ) -> None:
     result = amorsim("plan", rooms, *arguments)
     assert result.status == 2
+    assert words in result.err
+    assert not list(tmp_path.glob("plan.*"))
+
+
+def _fail() -> am.contracts.Plan:
+    raise KeyError("no such key")
+
+
+@pytest.mark.parametrize(
+    ("answer", "words"),
+    [
+        (_fail, "plan() raised KeyError: 'no such key'"),
+        (lambda: None, "expected a Plan, got None from plan()"),
+        (lambda: [(0.0, 0.0)], "expected a Plan, got [(0.0, 0.0)] from plan()"),
+        (lambda: am.contracts.Plan(status="lost"), "got 'lost'"),
+        (lambda: am.contracts.Plan(status="found", length=1.0, cost=1.0), "expected a Plan with `poses`"),
+        (
+            lambda: am.contracts.Plan(status="found", poses=np.full((2, 3), np.nan), length=1.0, cost=1.0),
+            "expected a Plan with finite numbers in `poses`, got nan or inf",
+        ),
+        (lambda: am.contracts.Plan(status="found", poses=np.zeros((2, 2)), length=1.0), "`poses` of numbers (M, 3)"),
+        (lambda: am.contracts.Plan(status="found", poses=np.zeros((2, 3))), "whose `length` is a number >= 0, got inf"),
+    ],
+)
+def test_an_answer_that_is_no_plan_is_said_with_the_planners_name(
+    amorsim: Command, rooms: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, answer: Any, words: str
+) -> None:
+    monkeypatch.setattr(am.planners.AStar, "plan", lambda self, world, start, goal, *, footprint=None: answer())
+    result = amorsim("plan", rooms, *ENDS)
+    assert result.status == 2
+    assert result.err.startswith("planner (AStar): ")
     assert words in result.err
     assert not list(tmp_path.glob("plan.*"))
 

@@ -226,3 +226,11 @@ def test_each_row_plans_on_the_map_that_it_knows():
     assert (plans[1][0], len(plans[1][1])) == ("found", 2)
     assert plans[0][0] == "found"
     assert plans[0][1][:, 1].max() > 1.5
+
+
+@pytest.mark.parametrize("answer", [lambda: None, lambda: 1 / 0])
+def test_a_planner_that_gives_no_plan_is_named_with_its_robot(monkeypatch, answer):
+    monkeypatch.setattr(am.planners.ThetaStar, "plan", lambda *_, **__: answer())
+    with pytest.raises(am.ControllerError, match=r"robot 'rover': planner \(ThetaStar\): ") as caught:
+        simulate([make(navigate((6.0, -1.0)))], duration=1.0)
+    assert caught.value.robot == "rover"
