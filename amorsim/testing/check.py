@@ -157,7 +157,7 @@ def check_component(
     elif isinstance(component, Noise):
         others = NoiseTrial(who, rig, side or {}, values_of, inf)
     elif isinstance(component, Estimator):
-        others = EstimatorTrial(who, rig)
+        others = EstimatorTrial(who, rig, component)
     elif isinstance(component, Controller):
         others = ControllerTrial(who, rig)
     else:

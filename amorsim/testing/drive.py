@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
@@ -94,6 +96,7 @@ class DriveTrial(Trial[Drive]):
         outputs["radius"] = self.array(radius, (rows, self.rolling), "rolling_radius()")
         positive = (radius > 0).all() and np.isfinite(radius).all()
         self.who.require(positive, "joints", "rolling_radius()", "lengths > 0", radius[0])
+        outputs |= self._facts(component, before, after)
         with call("follow"):
             followed = component.follow(after, whole)
         outputs["follow"] = self.array(followed, (rows, self.joints), "follow()")
@@ -106,6 +109,36 @@ class DriveTrial(Trial[Drive]):
                 ways = component.part_travel(before, after)
             outputs["part travel"] = self.array(ways, (rows, self.parts, 2), "part_travel()")
         carried["joints"], carried["rates"] = followed.copy(), new_rates.copy()
+        return outputs
+
+    def _facts(self, component: Drive, before: Array, after: Array) -> Outputs:
+        """What it says of its wheels and limits besides, which zones, estimators and controllers ask for."""
+        rows, require, call = len(after), self.who.require, self.who.calling
+        with call("contacts"):
+            found: Any = component.contacts(after)
+        outputs: Outputs = {"contacts": self.array(found, (rows, self.rolling, 2), "contacts()")}
+        require(np.isfinite(found).all(), "finite", "contacts()", "finite numbers", "nan or inf")
+        with call("heading_offset"):
+            found = component.heading_offset(after)
+        if found is not None:
+            outputs["heading offset"] = self.array(found, (rows, 1), "heading_offset()")
+            require(np.isfinite(found).all(), "finite", "heading_offset()", "finite angles", "nan or inf")
+        with call("curvature_max"):
+            found = component.curvature_max()
+        if found is not None:
+            outputs["curvature"] = self.array(found, (rows, 1), "curvature_max()")
+            require((found > 0.0).all(), "limits", "curvature_max()", "numbers > 0 [1/m]", found.min())
+        with call("top_speeds"):
+            found = component.top_speeds()
+        if found is not None:
+            outputs["top speeds"] = self.array(found, (rows, 4), "top_speeds()")
+            require((found >= 0.0).all(), "limits", "top_speeds()", "numbers >= 0, inf for no limit", found.min())
+        offered: Any = getattr(component, "jacobian", None)
+        if offered is not None:
+            with call("jacobian"):
+                found = offered(before, after)
+            outputs["jacobian"] = self.array(found, (rows, 3, self.rolling), "jacobian()")
+            require(np.isfinite(found).all(), "finite", "jacobian()", "finite numbers", "nan or inf")
         return outputs
 
     def check_paths(self, components: list[Drive]) -> None:

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Aim, Controller, Emission, Estimator, Motion, Noise, Sensor, State
+from amorsim.contracts import Aim, Controller, Emission, Estimate, Estimator, Motion, Noise, Sensor, State
+from amorsim.core.trouble import in_words
 from amorsim.scenario.columns import columns_problem
 from amorsim.simulation.beliefs import beliefs_problem
 from amorsim.simulation.controlling import report_problem
@@ -38,6 +39,7 @@ class SensorTrial(Trial[Sensor]):
         super().__init__(who, rig)
         unit = component.unit
         who.require(isinstance(unit, str) and unit, "unit", "unit", "the unit of its values, as in 'm'", repr(unit))
+        self._check_channels(component)
         sizes = []
         for one in kin:
             with who.calling("size"):
@@ -55,6 +57,14 @@ class SensorTrial(Trial[Sensor]):
         who.require(same, "columns", "columns() with other numbers", wanted, "others")
         self.size = first
         self.widths = (first,) if first <= _MOST_ROWS else ()
+
+    def _check_channels(self, component: Sensor) -> None:
+        channels: Any = component.channels
+        fits = isinstance(channels, tuple) and all(isinstance(name, str) and name for name in channels)
+        fits = fits and len(set(channels)) == len(channels)
+        self.who.require(fits, "channels", "channels", "a tuple of texts that differ", repr(channels))
+        follows = not channels or type(component).actuate is not Sensor.actuate
+        self.who.require(follows, "channels", "actuate()", f"it to follow commands of {channels}", "no such method")
 
     def step(self, component: Sensor, session: Session, state: State, carried: Outputs, given: Given) -> Outputs:
         """One reading."""
@@ -83,6 +93,7 @@ class SensorTrial(Trial[Sensor]):
         self.who.require(not np.isnan(values).any(), "finite", "sense()", "numbers, inf for no return", "nan")
         for name, array in side.items():
             outputs[f"side {name}"] = self.array(array, (rows, self.size), f"side[{name!r}]")
+            self.who.require(not np.isnan(array).any(), "finite", f"side[{name!r}]", "numbers", "nan")
         with self.who.calling("bearings"):
             bearings = component.bearings()
         if bearings is not None:
@@ -228,9 +239,14 @@ class EstimatorTrial(Trial[Estimator]):
 
     widths = (3,)
 
-    def __init__(self, who: Who, rig: Rig) -> None:
+    def __init__(self, who: Who, rig: Rig, component: Estimator) -> None:
         super().__init__(who, rig)
         self.layout: list[Any] | None = None  # names, shapes and dtypes of the beliefs
+        with who.calling("sources"):
+            sources = list(component.sources())
+        for source in sources:
+            fits = isinstance(source, tuple) and len(source) == 3 and all(isinstance(text, str) for text in source)
+            who.require(fits, "sources", "sources()", "triples of texts: source, what it says, trust", repr(source))
 
     def step(self, component: Estimator, session: Session, state: State, carried: Outputs, given: Given) -> Outputs:
         """One update."""
@@ -248,13 +264,20 @@ class EstimatorTrial(Trial[Estimator]):
         given.add("robot.landmarks", session.robot.landmarks)
         with self.who.calling("update"):
             found = component.update(session.robot, readings, command, elapsed, state, session.draws)
-        pair = isinstance(found, tuple) and len(found) == 2
-        self.who.require(pair, "shapes", "update()", "an Estimate", type(found).__name__)
+        is_estimate = isinstance(found, Estimate)
+        self.who.require(is_estimate, "shapes", "update()", "an Estimate", type(found).__name__)
         pose = self.array(found[0], (rows, 3), "the estimated pose")
         covariance = self.array(found[1], (rows, 3, 3), "the covariance")
         self.who.require(np.isfinite(pose).all(), "finite", "the estimated pose", "finite numbers", "nan or inf")
         self._check_covariance(covariance)
-        return {"pose": pose, "covariance": covariance, **_beliefs_of(self, component, session, state)}
+        outputs = {"pose": pose, "covariance": covariance}
+        with self.who.calling("failed"):
+            failed: Any = component.failed(state)
+        if failed is not None:
+            fits = isinstance(failed, np.ndarray) and failed.dtype == bool and failed.shape == (rows,)
+            self.who.require(fits, "failed", "failed()", f"None or an array of bool ({rows},)", in_words(failed))
+            outputs["failed"] = failed.copy()  # it may be an array of the state
+        return {**outputs, **_beliefs_of(self, component, session, state)}
 
     def _check_covariance(self, covariance: Array) -> None:
         require = self.who.require

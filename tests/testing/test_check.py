@@ -676,7 +676,106 @@ class MovingColumns(Range):
         return {"near": "m", f"up to {self.range_max:g}": "m"}
 
 
+@frozen
+class ListOfChannels(Range):
+    channels: ClassVar[list[str]] = ["pan"]  # type: ignore[assignment]
+
+    def actuate(self, command: Array, dt: float, state: State, draws: Draws) -> None:
+        pass
+
+
+@frozen
+class TwinChannels(ListOfChannels):
+    channels: ClassVar[tuple[str, ...]] = ("pan", "pan")
+
+
+@frozen
+class FollowsNothing(Range):
+    channels: ClassVar[tuple[str, ...]] = ("pan",)
+
+
+@frozen
+class NoSideNumber(Range):
+    def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
+        return super().sense(view, aim, state, draws)[0], {"incidence": np.full((view.rows, 2), np.nan)}
+
+
+@frozen
+class OneContact(Cart):
+    def contacts(self, joints: Array) -> Array:
+        return np.zeros((len(joints), 1, 2))
+
+
+@frozen
+class FlatOffset(Cart):
+    def heading_offset(self, joints: Array) -> Array:
+        return np.zeros(len(joints))
+
+
+@frozen
+class NoCurvature(Cart):
+    def curvature_max(self) -> Array:
+        return 0.0 * np.asarray(self.track)
+
+
+@frozen
+class Backwards(Cart):
+    def top_speeds(self) -> Array:
+        return np.full((len(np.asarray(self.track)), 4), -1.0)
+
+
+@frozen
+class TwoSpeeds(Cart):
+    def top_speeds(self) -> Array:
+        return np.ones((len(np.asarray(self.track)), 2))
+
+
+@frozen
+class LostJacobian(Cart):
+    def jacobian(self, before: Array, after: Array) -> Array:
+        return np.full((len(before), 3, 2), np.nan)
+
+
+@frozen
+class PlainTuple(StaysPut):
+    def update(
+        self,
+        robot: RobotModel,
+        readings: Mapping[str, Measurement],
+        command: Array,
+        elapsed: Array,
+        state: State,
+        draws: Draws,
+    ) -> Estimate:
+        return tuple(super().update(robot, readings, command, elapsed, state, draws))  # type: ignore[return-value]
+
+
+@frozen
+class FailsInNumbers(StaysPut):
+    def failed(self, state: State) -> npt.NDArray[np.bool_]:
+        return state["age"] > 0.0
+
+
+@frozen
+class SourcesInPairs(StaysPut):
+    def sources(self) -> Sequence[tuple[str, str, str]]:
+        return [("wheels", "motion")]  # type: ignore[list-item]
+
+
 BROKEN = {
+    ListOfChannels: "channels",
+    TwinChannels: "channels",
+    FollowsNothing: "channels",
+    NoSideNumber: "finite",
+    OneContact: "shapes",
+    FlatOffset: "shapes",
+    NoCurvature: "limits",
+    Backwards: "limits",
+    TwoSpeeds: "shapes",
+    LostJacobian: "finite",
+    PlainTuple: "shapes",
+    FailsInNumbers: "failed",
+    SourcesInPairs: "sources",
     NoColumns: "columns",
     ThreeColumns: "columns",
     MovingColumns: "columns",
