@@ -29,6 +29,7 @@ from amorsim.contracts import (
 from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import describe
 from amorsim.core.rows import stack
+from amorsim.core.trouble import RAISED, error_in_words
 from amorsim.plugins.checks import check_class
 from amorsim.scenario.spec import Scenario
 from amorsim.testing.drive import DriveTrial
@@ -215,8 +216,8 @@ def _check_pickling(who: Who, component: Any) -> None:
     for what, thing in (("one row", component), ("rows", stack([component, component]))):
         try:
             again = pickle.loads(pickle.dumps(thing))
-        except Exception as error:
-            who.fail("pickling", f"{what}: expected it to be pickled, found {type(error).__name__}: {error}")
+        except RAISED as error:
+            who.fail("pickling", f"{what}: expected it to be pickled, found {error_in_words(error)}")
         for field in attrs.fields(type(component)):
             if field.init:
                 same = _same(getattr(thing, field.name), getattr(again, field.name))

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import NoReturn
 
 from amorsim.core.errors import ComponentError
+from amorsim.core.trouble import RAISED, error_in_words
 
 __all__ = ["CheckError", "Who"]
 
@@ -45,10 +46,10 @@ class Who:
             yield
         except CheckError:
             raise
-        except Exception as error:
+        except RAISED as error:
             if isinstance(error, ValueError) and "read-only" in str(error):
                 self.fail("parameters", f"{method}: expected its parameters let alone, found it writing: {error}")
             try:
-                self.fail("runs", f"{method}: expected it to return, found {type(error).__name__}: {error}")
+                self.fail("runs", f"{method}: expected it to return, found {error_in_words(error)}")
             except CheckError as failure:
                 raise failure from error

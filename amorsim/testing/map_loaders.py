@@ -11,6 +11,7 @@ from pathlib import Path
 from amorsim.contracts import MapLoader
 from amorsim.core.errors import MapError
 from amorsim.core.map import Map
+from amorsim.core.trouble import RAISED, error_in_words
 from amorsim.testing.failure import Who
 
 __all__ = ["check_map_loader"]
@@ -60,8 +61,8 @@ def _check_companions(who: Who, loader: MapLoader, path: Path, world: Map) -> No
         who.require(named == set(copies[1:]), "companions", what, "the copies as its companions", sorted(named))
         try:
             again = loader.load(copies[0])
-        except Exception as error:
-            who.fail("companions", f"{what}: expected the same map, found {type(error).__name__}: {error}")
+        except RAISED as error:
+            who.fail("companions", f"{what}: expected the same map, found {error_in_words(error)}")
         who.require(again == world, "companions", what, "the same map", "another one")
 
 
@@ -70,7 +71,7 @@ def _load_or_refuse(who: Who, loader: MapLoader, path: Path, what: str, *, refus
         found = loader.load(path)
     except MapError:
         return
-    except Exception as error:
-        who.fail("errors", f"load() of {what}: expected a MapError, found {type(error).__name__}: {error}")
+    except RAISED as error:
+        who.fail("errors", f"load() of {what}: expected a MapError, found {error_in_words(error)}")
     who.require(isinstance(found, Map), "load", f"load() of {what}", "a Map", type(found).__name__)
     who.require(not refuse, "errors", f"load() of {what}", "a MapError", "a map")

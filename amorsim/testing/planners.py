@@ -11,6 +11,7 @@ from amorsim.contracts import Plan, Planner
 from amorsim.core.errors import PlanError
 from amorsim.core.map import Map
 from amorsim.core.shapes import Shape
+from amorsim.core.trouble import RAISED, error_in_words
 from amorsim.testing.failure import Who
 
 __all__ = ["check_planner"]
@@ -48,8 +49,8 @@ def check_planner(who: Who, planner: Planner) -> None:
                 planner.plan(hall, *pair)
             except PlanError:
                 continue
-            except Exception as error:
-                who.fail("errors", f"plan() with {bad!r}: expected a PlanError, found {type(error).__name__}: {error}")
+            except RAISED as error:
+                who.fail("errors", f"plan() with {bad!r}: expected a PlanError, found {error_in_words(error)}")
             who.fail("errors", f"plan() with {bad!r}: expected a PlanError, found a plan")
 
 

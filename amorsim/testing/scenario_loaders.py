@@ -7,6 +7,7 @@ from pathlib import Path
 
 from amorsim.contracts import ScenarioDocument, ScenarioLoader
 from amorsim.core.errors import ScenarioError
+from amorsim.core.trouble import RAISED, error_in_words
 from amorsim.testing.failure import Who
 
 __all__ = ["check_scenario_loader"]
@@ -41,8 +42,8 @@ def _read_or_refuse(who: Who, loader: ScenarioLoader, path: Path, what: str) -> 
         found = loader.read(path)
     except ScenarioError:
         return None
-    except Exception as error:
-        who.fail("errors", f"read() of {what}: expected a ScenarioError, found {type(error).__name__}: {error}")
+    except RAISED as error:
+        who.fail("errors", f"read() of {what}: expected a ScenarioError, found {error_in_words(error)}")
     is_one = isinstance(found, ScenarioDocument)
     who.require(is_one, "read", f"read() of {what}", "a ScenarioDocument", type(found).__name__)
     return found

@@ -1086,3 +1086,14 @@ def test_a_scene_brings_its_obstacles_landmarks_and_lights():
     assert view.bodies().poses[:, 1].tolist() == [[3.0, 4.0, 0.0]] * 2
     assert view.landmarks(1, np.full((2, 1), 9.0), np.full((2, 1), np.pi)).id.tolist() == [[3], [3]]
     assert len(view.lights().places) == 1
+
+
+@frozen
+class Exits(Drift):
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        raise SystemExit(3)
+
+
+def test_a_component_that_exits_fails_its_check():
+    with pytest.raises(ComponentError, match=r"'runs': corrupt: expected it to return, found SystemExit: 3"):
+        check_component(Exits)
