@@ -6,10 +6,17 @@ import contextlib
 from collections.abc import Iterator
 from typing import NoReturn
 
+import numpy as np
+
 from amorsim.core.errors import ComponentError
 from amorsim.core.trouble import RAISED, error_in_words
 
-__all__ = ["CheckError", "Who"]
+__all__ = ["CheckError", "Who", "array_in_words"]
+
+
+def array_in_words(found: object) -> str:
+    """What was found in place of an array of some type and shape: ``"float32 (7,)"``, or the class of what is none."""
+    return f"{found.dtype} {found.shape}" if isinstance(found, np.ndarray) else type(found).__name__
 
 
 class CheckError(ComponentError):

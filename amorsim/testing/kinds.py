@@ -9,13 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Aim, Controller, Emission, Estimate, Estimator, Motion, Noise, Sensor, State
-from amorsim.core.trouble import in_words
 from amorsim.scenario.columns import columns_problem
 from amorsim.simulation.beliefs import beliefs_problem
 from amorsim.simulation.controlling import report_problem
 from amorsim.simulation.feeding import estimate_readings, feeders
 from amorsim.simulation.world.world import Emitted
-from amorsim.testing.failure import Who
+from amorsim.testing.failure import Who, array_in_words
 from amorsim.testing.rig import DT, ROWS, STEPS, Rig, Session
 from amorsim.testing.trial import Given, Outputs, Trial
 
@@ -112,7 +111,7 @@ class SensorTrial(Trial[Sensor]):
         outputs = {"emitters": self.array(said.poses, (rows, count, 3), "emit().poses")}
         outputs["half angles"] = self.array(said.half_angle, (rows, count), "emit().half_angle")
         fits = np.shape(said.fired) == (rows, count) and np.asarray(said.fired).dtype == bool
-        require(fits, "emit", "emit().fired", f"flags ({rows}, {count})", np.shape(said.fired))
+        require(fits, "emit", "emit().fired", f"bool ({rows}, {count})", array_in_words(said.fired))
         time = np.zeros((rows, count)) if said.time is None else said.time
         outputs["times"] = self.array(time, (rows, count), "emit().time")
         session.view.sensor = ""
@@ -275,7 +274,7 @@ class EstimatorTrial(Trial[Estimator]):
             failed: Any = component.failed(state)
         if failed is not None:
             fits = isinstance(failed, np.ndarray) and failed.dtype == bool and failed.shape == (rows,)
-            self.who.require(fits, "failed", "failed()", f"None or an array of bool ({rows},)", in_words(failed))
+            self.who.require(fits, "failed", "failed()", f"None or bool ({rows},)", array_in_words(failed))
             outputs["failed"] = failed.copy()  # it may be an array of the state
         return {**outputs, **_beliefs_of(self, component, session, state)}
 

@@ -12,7 +12,7 @@ from amorsim.core.map import Map
 from amorsim.core.poses import compose
 from amorsim.core.shapes import Shape
 from amorsim.simulation.events import Event
-from amorsim.testing.failure import Who
+from amorsim.testing.failure import Who, array_in_words
 
 __all__ = ["check_metric"]
 
@@ -52,7 +52,7 @@ def _measured(who: Who, metric: Metric, episode: Episode) -> Any:
         values = metric.measure(episode)
     count = len(episode.replicas)
     fits = isinstance(values, np.ndarray) and values.dtype == np.float64 and values.shape == (count,)
-    who.require(fits, "shapes", "measure()", f"float64 ({count},)", getattr(values, "shape", type(values).__name__))
+    who.require(fits, "shapes", "measure()", f"float64 ({count},)", array_in_words(values))
     return values
 
 

@@ -12,7 +12,7 @@ from amorsim.core.errors import PlanError
 from amorsim.core.map import Map
 from amorsim.core.shapes import Shape
 from amorsim.core.trouble import RAISED, error_in_words
-from amorsim.testing.failure import Who
+from amorsim.testing.failure import Who, array_in_words
 
 __all__ = ["check_planner"]
 
@@ -80,7 +80,7 @@ def _plan(
     for name, wide in (("poses", 3), ("searched", 2)):
         array = getattr(plan, name)
         fits = isinstance(array, np.ndarray) and array.dtype == np.float64 and array.shape == (len(array), wide)
-        who.require(fits, "plan", f"Plan.{name}", f"float64 (M, {wide})", getattr(array, "shape", array))
+        who.require(fits, "plan", f"Plan.{name}", f"float64 (M, {wide})", array_in_words(array))
         who.require(np.isfinite(array).all(), "plan", f"Plan.{name}", "finite numbers", "others")
     who.require(
         (len(plan.poses) > 0) == is_found, "plan", f"poses of a plan {plan.status}", "a path if found", plan.poses

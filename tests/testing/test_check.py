@@ -1097,3 +1097,38 @@ class Exits(Drift):
 def test_a_component_that_exits_fails_its_check():
     with pytest.raises(ComponentError, match=r"'runs': corrupt: expected it to return, found SystemExit: 3"):
         check_component(Exits)
+
+
+@frozen
+class Shouts(Range):
+    medium: ClassVar[str] = "ultrasound"
+
+    def emit(self, view: View, state: State) -> am.Emission:
+        ahead = np.zeros((view.rows, 1))
+        return am.Emission(view.pose[:, None].copy(), ahead + 0.2, ahead)
+
+
+@frozen
+class Single(am.Metric):
+    unit: ClassVar[str] = "m"
+    better: ClassVar[str] = "lower"
+
+    def needs(self) -> Sequence[str]:
+        return ()
+
+    def measure(self, episode: am.Episode) -> Array:
+        return np.zeros(len(episode.replicas), np.float32)  # type: ignore[return-value]
+
+
+@pytest.mark.parametrize(
+    ("cls", "words"),
+    [
+        (Shouts, "expected bool (64, 1), found float64 (64, 1)"),
+        (Single, "expected float64 (7,), found float32 (7,)"),
+        (FailsInNumbers, "expected None or bool (64,), found bool (64, 1)"),
+    ],
+)
+def test_an_array_of_another_type_is_told_with_its_type(cls, words):
+    with pytest.raises(ComponentError) as caught:
+        check_component(cls)
+    assert words in str(caught.value)
