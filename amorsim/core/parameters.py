@@ -14,7 +14,7 @@ from typing import Any
 
 import attrs
 
-from amorsim.core.errors import AmorsimError
+from amorsim.core.errors import AmorsimError, ComponentError
 from amorsim.core.trouble import in_words
 
 __all__ = [
@@ -209,6 +209,9 @@ def _describe(cls: type) -> dict[str, Parameter]:
     for field in attrs.fields(cls):
         if not field.init:  # internal to a recorder
             continue
+        if field.name not in hints:
+            words = f"field {field.name!r} of {cls.__name__} has no annotation, such as {field.name}: float"
+            raise ComponentError(words)
         default = field.default
         if isinstance(default, attrs.Factory):  # type: ignore[arg-type]
             # A default that depends on other fields is not known beforehand.

@@ -12,7 +12,7 @@ from typing import Any
 import attrs
 
 from amorsim.contracts import Controller, Drive, Estimator, Joint, Motion, Part, Planner
-from amorsim.core.errors import did_you_mean
+from amorsim.core.errors import ComponentError, did_you_mean
 from amorsim.core.parameters import COMPONENTS, FRAMES, REFERS, Parameter, describe
 from amorsim.core.trouble import in_words
 
@@ -134,6 +134,9 @@ def _check_attrs(kind: str, cls: type) -> Iterator[str]:
             return
     try:
         described = describe(cls)
+    except ComponentError as error:
+        yield str(error)
+        return
     except Exception as error:
         yield f"the types of its fields cannot be read: {type(error).__name__}: {error}"
         return

@@ -7,6 +7,7 @@ import math
 import attrs
 import pytest
 
+from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import ParameterError, describe, parameter
 from amorsim.core.poses import Mount
 
@@ -95,3 +96,12 @@ def test_an_element_of_an_element_is_reported_once() -> None:
         Way(places=((0.0, 1.0), (0.0, 1.0), (0.0, math.nan)))
     with pytest.raises(ParameterError, match=r"it has 1 elements, not 2 \(element 1\)$"):
         Way(places=((0.0, 1.0), (0.0,)))  # type: ignore[arg-type]
+
+
+def test_a_field_without_an_annotation_is_named() -> None:
+    @attrs.frozen(kw_only=True)
+    class Unsaid:
+        share = parameter(0.1)
+
+    with pytest.raises(ComponentError, match=r"^field 'share' of Unsaid has no annotation, such as share: float$"):
+        Unsaid()
