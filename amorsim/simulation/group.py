@@ -31,6 +31,7 @@ from amorsim.simulation.blame import Whose, is_finite, of_drive
 from amorsim.simulation.contact.moved_parts import Parts
 from amorsim.simulation.contact.sliding import arcs, bounds, displaced, part_bounds
 from amorsim.simulation.controlling import Driver
+from amorsim.simulation.drive_check import check_drive
 from amorsim.simulation.estimating import Estimators
 from amorsim.simulation.first_beliefs import BELIEF, first_beliefs
 from amorsim.simulation.row_clock import RowClock
@@ -125,6 +126,7 @@ class Group:
         nominal = self.specified
         sizes = {name: unit.size for name, unit in self.sensors.items()}
         self.robot = robot_model(nominal, sizes, self.channels, self.dt)
+        check_drive(self.drive, self.rows, self.whose)
         self._radius = self._rolling_radius()
         self.estimators.set_parameters(nominal)
         self.driver.set_parameters(nominal)

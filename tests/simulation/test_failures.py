@@ -237,6 +237,23 @@ def test_a_size_that_raises_names_robot_and_sensor():
 
 
 @pytest.mark.parametrize(
+    ("method", "answer", "shape"),
+    [
+        ("rolling_radius", None, "(1, 2) from rolling_radius(), got a NoneType"),
+        ("twist", None, "(1, 3) from twist(), got a NoneType"),
+        ("twist", np.zeros((1, 2)), "(1, 3) from twist(), got the shape (1, 2)"),
+        ("displacement", None, "(1, 3) from displacement(), got a NoneType"),
+        ("command_for", None, "(1, 2) from command_for(), got a NoneType"),
+    ],
+)
+def test_a_drives_wrong_answer_is_said_of_the_drive(monkeypatch, method, answer, shape):
+    monkeypatch.setattr(BadDrive, method, lambda self, *_: answer)
+    drive = BadDrive(wheel_radius_left=0.1, wheel_radius_right=0.1, track=0.3, rate_max=20.0, at="")
+    error = error_of(building.robot(drive=drive))
+    assert str(error) == f"drive (BadDrive) of robot 'rover' at 0 s: expected numbers of the shape {shape}"
+
+
+@pytest.mark.parametrize(
     ("columns", "words"),
     [
         (lambda self: {}["range"], "columns() raised KeyError: 'range'"),

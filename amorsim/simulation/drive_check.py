@@ -1,0 +1,44 @@
+"""A drive's answers for joints at rest, looked at before a group steps: others take them as said."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from amorsim.contracts import Drive
+from amorsim.core.rows import take
+from amorsim.core.trouble import RAISED
+from amorsim.simulation.blame import Whose, array_problem
+
+__all__ = ["check_drive"]
+
+_MOST = 2  # rows that are asked: as many as show an answer that is for one robot alone
+
+
+def check_drive(drive: Drive, rows: int, whose: Whose) -> None:
+    """Raise a `ComponentError` if a drive of `rows` robots answers with other than numbers of the contract's shapes.
+
+    What raises is passed over here: it is said when it is asked for, if it ever is.
+    """
+    count = min(rows, _MOST)
+    some: Any = take(drive, np.arange(count))
+    rest = np.zeros((count, len(drive.joints)))
+    rolling = sum(joint.rolls for joint in drive.joints)
+    one = np.ones((count, 1))
+    asked: dict[str, tuple[Callable[[], Any], int]] = {
+        "rolling_radius()": (lambda: some.rolling_radius(), rolling),
+        "twist()": (lambda: some.twist(rest, rest), 3),
+        "displacement()": (lambda: some.displacement(rest, rest, one), 3),
+        "travel()": (lambda: some.travel(rest, rest), 2),
+        "command_for()": (lambda: some.command_for(np.zeros((count, 3)), rest), len(drive.channels)),
+    }
+    for method, (ask, width) in asked.items():
+        try:
+            found = ask()
+        except RAISED:
+            continue
+        if not isinstance(found, np.ndarray) or found.shape != (count, width):
+            problem = array_problem(found, "numbers", (count, width), method)
+            raise whose.wrong("drive", drive, problem)
