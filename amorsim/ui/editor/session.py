@@ -35,7 +35,7 @@ from amorsim.ui.simulator.project import place_for
 
 __all__ = ["EditSession"]
 
-BETWEEN_LOOKS = 1.0  # [s], at whether something else has changed the files
+BETWEEN_LOOKS = 1.0  # [s], at whether something else has changed the files, and whether the pen is to be passed on
 LONGEST_LABEL = 80
 MOST_TABLES = 2000
 
@@ -201,7 +201,8 @@ class EditSession:
         while True:
             await asyncio.sleep(BETWEEN_LOOKS)
             changed = [path.name for path in await asyncio.to_thread(lambda: self.work.files_changed)]
-            if changed != self._changed_outside:
+            has_passed = self._controls.pass_on()
+            if changed != self._changed_outside or has_passed:
                 self._changed_outside = changed
                 self.tell()
 

@@ -60,13 +60,18 @@ class Controls:
         # A tab that is copied has two windows.
         if tab and tab not in self._windows.values():
             self._awaited, self._until = tab, self._clock() + GRACE
-        self._pass_on()
+        self.pass_on()
         return True
 
-    def _pass_on(self) -> None:
-        """Let the first that asks have the controls, where they are nobody's and wait for none."""
-        if not self.holder and self.asking and self._clock() >= self._until:
+    def pass_on(self) -> bool:
+        """Let the first that asks have the controls, where they are nobody's and wait for none; whether it got them.
+
+        A session whose state is not asked for all the time calls this now and then.
+        """
+        is_due = not self.holder and bool(self.asking) and self._clock() >= self._until
+        if is_due:
             self.holder = self.asking.pop(0)
+        return is_due
 
     def knows(self, window: str) -> bool:
         """Whether there is such a window."""
@@ -74,7 +79,7 @@ class Controls:
 
     def state(self) -> dict[str, Any]:
         """Who has the controls and who asks for them, for a window's state."""
-        self._pass_on()
+        self.pass_on()
         return {"holder": self.holder, "asking": list(self.asking)}
 
     def carry_out(self, window: str, command: Mapping[str, Any]) -> dict[str, Any]:
@@ -86,7 +91,7 @@ class Controls:
             If the controls are not this window's to take or to give.
         """
         want, to = command.get("want"), command.get("to")
-        self._pass_on()
+        self.pass_on()
         if want == "take":
             if self.holder not in ("", window):
                 raise AmorsimError("another window has the controls; ask for them")

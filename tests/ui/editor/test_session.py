@@ -13,6 +13,7 @@ import amorsim as am
 from amorsim.plugins.manager import make_registry
 from amorsim.ui.editor.session import EditSession
 from amorsim.ui.editor.work import Work
+from amorsim.ui.simulator import controls
 from tests.ui.aside import aside
 from tests.ui.editor.talking import READERS, do, drawn, own_copy, talk
 
@@ -279,6 +280,24 @@ def test_one_window_holds_the_pen_and_another_may_ask_for_it(tmp_path: Path) -> 
         assert (await session.ask(first, {"do": "controls", "want": "give"}))["ok"]
         assert (await session.ask(second, edit))["ok"]
         assert not (await session.ask(first, edit))["ok"]
+
+    talk("demo", tmp_path, say)
+
+
+def test_the_pen_passes_to_a_window_that_asked_once_its_holder_has_gone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(controls, "GRACE", 0.5)
+
+    async def say(session: EditSession) -> None:
+        first, second = session.open_window("one"), session.open_window("two")
+        await session.ask(second, {"do": "controls", "want": "ask"})
+        session.close_window(first)
+        said = session.state()
+        assert said["holder"] == ""
+        async with asyncio.timeout(10.0):
+            while said["holder"] != second:  # told, as a window is: it asks for nothing but news
+                said = await do(session, do="document", after=said["number"])
 
     talk("demo", tmp_path, say)
 
