@@ -100,8 +100,7 @@ class Files:
         """The text of a file, which is read if that has not been done; raises as `read_file`."""
         if path not in self._held:
             self._held[path] = read_file(path, world)
-            if self._held[path].saved is not None:
-                self.stamps |= stamps_of([path])
+            self.stamps |= stamps_of([path])  # also of one that is not there: it may come back with its own content
         return self._held[path]
 
     def begin(self, path: Path, empty: str) -> None:
@@ -111,6 +110,7 @@ class Files:
     def drop(self, path: Path) -> None:
         """Hold a file no more."""
         del self._held[path]
+        self.stamps.pop(path, None)
 
     def clear(self) -> None:
         """Hold nothing."""

@@ -99,6 +99,7 @@ class EditSession:
         self._drawn = 0  # the number at which what is drawn was new
         self._is_behind = True
         self._changed_outside: list[str] = []
+        self._gone_outside: list[str] = []  # those of them that were deleted
         self._news = asyncio.Event()
         self._wanted = asyncio.Event()
         self._tasks: list[asyncio.Task[None]] = []
@@ -201,9 +202,10 @@ class EditSession:
         while True:
             await asyncio.sleep(BETWEEN_LOOKS)
             changed = [path.name for path in await asyncio.to_thread(lambda: self.work.files_changed)]
+            gone = [path.name for path in await asyncio.to_thread(lambda: self.work.files_gone)]
             has_passed = self._controls.pass_on()
-            if changed != self._changed_outside or has_passed:
-                self._changed_outside = changed
+            if (changed, gone) != (self._changed_outside, self._gone_outside) or has_passed:
+                self._changed_outside, self._gone_outside = changed, gone
                 self.tell()
 
     def tell(self, *, is_drawn: bool = False) -> None:
@@ -238,6 +240,7 @@ class EditSession:
             "is_checking": self._is_checking,
             "remark": work.steps.remark,
             "changed_outside": self._changed_outside,
+            "gone_outside": self._gone_outside,
             "undo": work.steps.history.done[-1].label if work.steps.history.done else "",
             "redo": work.steps.history.undone[-1].label if work.steps.history.undone else "",
             "steps": len(work.steps.history.done),
@@ -335,7 +338,7 @@ class EditSession:
                 return {"ok": True, "label": label}
             case {"do": "save"}:
                 file = work.save(force=command.get("force") is True)
-                self._changed_outside = []
+                self._changed_outside, self._gone_outside = [], []
                 self.tell()
                 return {"ok": True, "file": str(file)}
             case {"do": "save_as", "name": name}:
@@ -349,7 +352,7 @@ class EditSession:
             case {"do": "reload"}:
                 work.reload()
                 work.steps.remark = ""
-                self._changed_outside = []
+                self._changed_outside, self._gone_outside = [], []
                 self.touched()
                 return {"ok": True}
             case {"do": "run"}:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from amorsim.core.errors import AmorsimError
+from amorsim.core.reading import reason
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.document import Document, open_document
@@ -74,9 +75,10 @@ class Work:
             self.document = Document(EMPTY, self.path, registry=self.registry)
             self._saved: str | None = None
         else:
-            self.document = open_document(name, registry=self.registry)
+            file = Path(name).absolute()  # now: later the folder may be gone from which relative paths lead
+            self.is_new = not file.is_file()
+            self.document = open_document(name if self.is_new else file, registry=self.registry)
             self.path = self.document.path.absolute()
-            self.is_new = not Path(name).is_file()
             # For a map, or another program's file, there is no file of the scenario yet.
             self._saved = self.document.text if self.is_new or self.path.is_file() else None
             if not self.is_new:
@@ -124,7 +126,7 @@ class Work:
     @property
     def here(self) -> Path:
         """The folder from which the scenario names files."""
-        return self.document.path.absolute().parent
+        return self.document.path.parent
 
     def edit(self, label: str, change: Callable[[Work], Any]) -> Any:
         """Let a function change the work. All its changes are one step; if it raises, nothing is changed."""
@@ -228,6 +230,11 @@ class Work:
         return [path for path, stamp in before.items() if now[path] != stamp]
 
     @property
+    def files_gone(self) -> list[Path]:
+        """Those of them that are not there any more."""
+        return [path for path in self.files_changed if not path.exists()]
+
+    @property
     def _to_write(self) -> list[Path]:
         """The files to write: those that differ, but new ones only where the scenario names them."""
         differing = self.files.differing
@@ -237,32 +244,32 @@ class Work:
         return [path for path, held in differing.items() if held.saved is not None or path in named]
 
     def save(self, *, force: bool = False) -> Path:
-        """Write the files that differ.
+        """Write the files that differ, and those that something else has deleted meanwhile.
 
         Parameters
         ----------
         force
-            Whether files that something else has changed meanwhile are replaced.
+            Whether files that something else has changed meanwhile are replaced, and folders that it has deleted are
+            made again.
 
         Raises
         ------
         ChangedError
-            If something else has changed one.
+            If something else has changed one, or deleted its folder.
         AmorsimError
             If it has no file yet, or one cannot be written.
         """
         if self.is_new:
             raise AmorsimError("it has no file yet; save it under a name")
-        changed = self.files_changed
-        if changed and not force:
-            names = " and ".join(path.name for path in changed)
-            raise ChangedError(f"{names}: changed by something else since it was read; reload it, or keep yours")
-        for path in self._to_write:
+        changed, gone = self.files_changed, self.files_gone
+        if force:
+            _make_folders(gone)
+        else:
+            _refuse_changed([path for path in changed if path not in gone])
+            _refuse_without_folder(gone)
+        for path in dict.fromkeys([*self._to_write, *(path for path in changed if path in self.files)]):
             self.files.write(path)
-        for path in changed:
-            if path in self.files:
-                self.files.write(path)
-        if self._saved != self.text or force:
+        if self._saved != self.text or force or self.path in gone:
             self.document.save(self.path)
         self._saved = self.text
         self._stamps = stamps_of([self.path])
@@ -321,7 +328,7 @@ class Work:
 
     def _follow_copies(self, other: Document, here: Path) -> None:
         """Hold the copies of files in place of the files that were held."""
-        there = other.path.absolute().parent
+        there = other.path.parent
         old = named_files(self.document.values, self.registry, here)
         new = named_files(other.values, self.registry, there)
         places = {here / one.name: there / two.name for one, two in zip(old, new, strict=True)}
@@ -390,3 +397,26 @@ class Work:
                 (self.files.stamps if name else self._stamps)[Path(name) if name else self.path] = None
         if not self.is_saved and self.steps.history.done:
             self.steps.remark = "changes that were not saved last time are restored"
+
+
+def _refuse_changed(files: Sequence[Path]) -> None:
+    if files:
+        names = " and ".join(path.name for path in files)
+        raise ChangedError(f"{names}: changed by something else since it was read; reload it, or keep yours")
+
+
+def _refuse_without_folder(files: Sequence[Path]) -> None:
+    for file in files:
+        if not file.parent.is_dir():
+            raise ChangedError(
+                f"{file.name}: its folder {file.parent} was deleted by something else; make it again and save, or "
+                "press 'keep mine', which makes it"
+            )
+
+
+def _make_folders(files: Sequence[Path]) -> None:
+    for file in files:
+        try:
+            file.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise AmorsimError(f"{file.parent}: this folder cannot be made: {reason(error)}") from None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -168,6 +169,48 @@ def test_a_file_that_was_changed_by_hand_is_noticed(tmp_path: Path) -> None:
 
     talk(str(file), tmp_path, say)
     assert am.open_document(file).get("simulation.duration") == 300.0
+
+
+def test_a_folder_that_is_deleted_and_made_again_loses_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = tmp_path / "project"
+    folder.mkdir()
+    own_copy("demo", folder)
+    monkeypatch.chdir(folder)
+    draw = {"do": "edit", "label": "draw", "changes": [{"op": "walls", "add": [[1.0, 9.0, 2.0, 9.0]]}]}
+
+    async def say(session: EditSession) -> None:
+        await do(session, **draw)
+        shutil.rmtree(folder)
+        await do(session, **draw)
+        said = session.state()
+        while not said["gone_outside"]:
+            said = await asyncio.wait_for(do(session, do="document", after=said["number"]), 30.0)
+        assert said["gone_outside"] == said["changed_outside"] == ["demo.toml", "office.wld"]
+        refused = await session.request({"do": "save"})
+        assert refused["error"].startswith(f"demo.toml: its folder {folder} was deleted by something else")
+        folder.mkdir()
+        await do(session, do="save")
+        assert (folder / "office.wld").read_text() == session.work.texts[str(folder / "office.wld")]
+        shutil.rmtree(folder)
+        await do(session, do="save", force=True)
+
+    talk("demo.toml", tmp_path, say)
+    assert (folder / "demo.toml").read_text() == am.open_document("demo").text
+    assert (folder / "office.wld").read_text().count("\n") > 2
+
+
+def test_a_map_that_comes_back_is_not_replaced_unasked(tmp_path: Path) -> None:
+    file = own_copy("demo", tmp_path)
+    there = (tmp_path / "office.wld").read_bytes()
+
+    async def say(session: EditSession) -> None:
+        (tmp_path / "office.wld").unlink()
+        await do(session, do="edit", label="draw", changes=[{"op": "walls", "add": [[1.0, 9.0, 2.0, 9.0]]}])
+        (tmp_path / "office.wld").write_bytes(there)
+        assert (await session.request({"do": "save"}))["changed"]
+
+    talk(str(file), tmp_path, say)
+    assert (tmp_path / "office.wld").read_bytes() == there
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="nothing is refused to root")

@@ -37,8 +37,8 @@ export function showPen(page) {
 /** Show which files another program has changed, and what can be done about it.
  * @param {import("./editor.js").EditorPage} page */
 export function showOutside(page) {
-  const { changed_outside: changed, remark, is_saved: isSaved } = page.state;
-  const key = `${changed.join()}|${remark}|${isSaved}`;
+  const { changed_outside: changed, gone_outside: gone, remark, is_saved: isSaved } = page.state;
+  const key = `${changed.join()}|${gone.join()}|${remark}|${isSaved}`;
   if (key === page.outside) return;
   page.outside = key;
   if (!changed.length && !remark) {
@@ -57,10 +57,14 @@ export function showOutside(page) {
     );
     return;
   }
+  const others = changed.filter((name) => !gone.includes(name));
+  const happened = [[others, "changed"], [gone, "deleted"]]
+    .filter(([names]) => names.length)
+    .map(([names, what]) => `${names.join(" and ")} ${names.length > 1 ? "were" : "was"} ${what} by something else`);
   page.warn(
-    `${changed.join(" and ")} was changed by something else.`,
+    `${happened.join("; ")}.`,
     h("button", { class: "tool", onclick: () => showDifference(page) }, "difference"),
-    h("button", { class: "tool holders-only", onclick: act({ do: "reload" }) }, "reload the file"),
+    others.length ? h("button", { class: "tool holders-only", onclick: act({ do: "reload" }) }, "reload the file") : "",
     h("button", { class: "tool holders-only", onclick: act({ do: "save", force: true }) }, "keep mine"),
   );
 }
