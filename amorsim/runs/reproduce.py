@@ -87,7 +87,7 @@ def reproduce(folder: str | os.PathLike[str], *, progress: Callable[[float], Non
             if problem := different_world(about, simulation):
                 return Outcome(is_same=False, is_exact=False, steps=0, difference=problem, notes=tuple(notes))
             replay = Replay(simulation, before, about.get("changes_before", 0))
-            with RunSession(simulation, after, wanted_steps=steps) as session:
+            with RunSession(simulation, after, wanted_steps=steps, is_kept=False) as session:
                 for done in range(1, steps + 1):
                     replay.give()
                     simulation.step()

@@ -105,6 +105,7 @@ class RunSession:
         *,
         duration: float | None = None,
         wanted_steps: int | None = None,
+        is_kept: bool = True,
     ) -> None:
         check_kind(simulation, Simulation, "simulation", "a Simulation, as am.Simulation(am.load('demo'))")
         scenario = simulation.scenario
@@ -115,6 +116,7 @@ class RunSession:
         scenario = attrs.evolve(scenario, seed=simulation.seed, duration=duration)
         resolved_table(scenario, maps_in_files=False)  # complains before there is a folder
         self.steps = 0
+        self._is_kept = is_kept  # or else the folder is soon removed, and errors do not say what is in it
         self._simulation = simulation
         self._scenario = scenario
         self._summary: RunSummary | None = None
@@ -228,7 +230,7 @@ class RunSession:
                 self._end("broken off", str(error))
             except RunError as second:
                 error.add_note(str(second))
-            error.add_note(self._files_reach())
+            self._note_files(error)
             raise
         self._end(status)
         if self._scenario.recording.picture:
@@ -315,7 +317,11 @@ class RunSession:
         except RunError as second:
             if str(second) != str(error):  # the first one says why
                 error.add_note(str(second))
-        if self._files_reach() not in getattr(error, "__notes__", ()):
+        self._note_files(error)
+
+    def _note_files(self, error: BaseException) -> None:
+        """Let an error say once how far the files go."""
+        if self._is_kept and self._files_reach() not in getattr(error, "__notes__", ()):
             error.add_note(self._files_reach())
 
     def _files_reach(self) -> str:

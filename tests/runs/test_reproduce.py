@@ -42,6 +42,15 @@ def test_a_run_reproduces(folder: Path) -> None:
     assert str(outcome) == "the same to the bit, over 20 steps"
 
 
+def test_one_that_is_interrupted_names_no_folder_that_is_gone(folder: Path) -> None:
+    def interrupt(share: float) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt) as caught:
+        am.reproduce(folder, progress=interrupt)
+    assert getattr(caught.value, "__notes__", []) == []
+
+
 def test_replicas_reproduce(study: Path, tmp_path: Path) -> None:
     am.run(am.load(study), tmp_path / "run", seed=5, replicas=[2, 40, 7], duration=1.0)
     assert am.reproduce(tmp_path / "run").is_exact
