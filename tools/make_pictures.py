@@ -54,7 +54,7 @@ def make(folder: Path) -> None:
         for scenario, name in MAPS.items():
             _amorsim(work, "run", scenario, "--out", scenario, "--quiet")
             _save_small(work / scenario / "estimated-maps" / f"{name}.pgm", folder / f"{scenario}.png")
-        film = ("--duration", "15", "--gif", str(folder / "crowd.gif"), "--gif-size", "640")
+        film = ("--duration", "15", "--gif", str(folder / "crowd.gif"), "--gif-size", "640", "--force")
         _amorsim(work, "run", "crowd", *film, "--out", "crowd", "--quiet")
         for source, target in (
             ("demo/picture.png", "demo.png"),

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import attrs
 import typer
 
-__all__ = ["Gif", "GifRate", "GifSize", "GifSpeed", "Mp4", "Wanted", "in_options"]
+__all__ = ["Force", "Gif", "GifRate", "GifSize", "GifSpeed", "Mp4", "Wanted", "in_options"]
 
 Gif = Annotated[
     Path | None, typer.Option(metavar="FILE", help="Make a moving picture of the first replica: a .gif file.")
@@ -28,6 +28,8 @@ GifSpeed = Annotated[
     ),
 ]
 
+Force = Annotated[bool, typer.Option("--force", help="Replace moving pictures that are there.")]
+
 
 @attrs.frozen(kw_only=True)
 class Wanted:
@@ -40,6 +42,7 @@ class Wanted:
     size: int
     rate: float
     speed: float | None
+    force: bool
 
     @property
     def files(self) -> dict[str, Path]:
@@ -61,12 +64,15 @@ class Wanted:
                     "makes one"
                 )
             return
+        from amorsim.core.reading import is_file
         from amorsim.core.whole_files import check_place
         from amorsim.runs.reel import check_film
 
         for kind, file in self.files.items():
             with in_options():
                 check_film(file, **self.settings(kind))
+            if is_file(file) and not self.force:
+                raise AmorsimError(f"{file} is there already; --force replaces it")
             check_place(file)
 
 

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from amorsim.cli.console import complain, say
-from amorsim.cli.films import Gif, GifRate, GifSize, GifSpeed, Mp4, Wanted, in_options
+from amorsim.cli.films import Force, Gif, GifRate, GifSize, GifSpeed, Mp4, Wanted, in_options
 from amorsim.cli.options import Host, Opened, Port, RunFolder, check_port
 
 __all__ = ["command"]
@@ -24,6 +24,7 @@ def command(
     gif_size: GifSize = Wanted.SIZE,
     gif_rate: GifRate = Wanted.RATE,
     gif_speed: GifSpeed = None,
+    force: Force = False,
     replica: Annotated[
         int | None, typer.Option(metavar="N", help="Of moving pictures: the number of another replica.")
     ] = None,
@@ -37,7 +38,7 @@ def command(
     from amorsim.core.errors import AmorsimError
     from amorsim.runs.about import read_about
 
-    wanted = Wanted(gif=gif, mp4=mp4, size=gif_size, rate=gif_rate, speed=gif_speed)
+    wanted = Wanted(gif=gif, mp4=mp4, size=gif_size, rate=gif_rate, speed=gif_speed, force=force)
     wanted.check()
     if wanted.files:
         _film(folder, wanted, replica)

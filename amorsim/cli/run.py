@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from amorsim.cli.console import compile_once, compile_planners_once, complain, say
-from amorsim.cli.films import Gif, GifRate, GifSize, GifSpeed, Mp4, Wanted, in_options
+from amorsim.cli.films import Force, Gif, GifRate, GifSize, GifSpeed, Mp4, Wanted, in_options
 from amorsim.cli.options import Changes, Duration, Played, Resolution, Seed
 
 if TYPE_CHECKING:
@@ -55,6 +55,7 @@ def command(
     gif_size: GifSize = Wanted.SIZE,
     gif_rate: GifRate = Wanted.RATE,
     gif_speed: GifSpeed = None,
+    force: Force = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
 ) -> None:
     """Simulate a scenario and write what happened into a folder.
@@ -76,7 +77,7 @@ def command(
     if quiet:
         warnings.simplefilter("ignore")
     check_free(out)
-    wanted = Wanted(gif=gif, mp4=mp4, size=gif_size, rate=gif_rate, speed=gif_speed)
+    wanted = Wanted(gif=gif, mp4=mp4, size=gif_size, rate=gif_rate, speed=gif_speed, force=force)
     wanted.check()
     compile_once(
         lambda: look_up(scenario, resolution=resolution, changes=changes or (), seed=seed, duration=duration), quiet

@@ -36,3 +36,16 @@ def test_a_mistake_in_an_option_leaves_nothing(amorsim: Command, tmp_path: Path)
     assert result.status == 2
     assert "--gif: expected the name of a file that ends in .gif, got 'run.mp4'" in result.err
     assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize("command", ["run", "replay"])
+def test_a_film_that_is_there_is_replaced_by_force_alone(amorsim: Command, tmp_path: Path, command: str) -> None:
+    (tmp_path / "a.gif").write_text("mine")
+    if command == "replay":
+        assert amorsim("run", "doors", "--duration", "0.2", "--out", "doors").status == 0
+    asked = (command, "doors", *(("--duration", "0.2") if command == "run" else ()), "--gif", "a.gif")
+    result = amorsim(*asked)
+    assert (result.status, result.err) == (2, "a.gif is there already; --force replaces it\n")
+    assert (tmp_path / "a.gif").read_text() == "mine"
+    assert amorsim(*asked, "--force").status == 0
+    assert (tmp_path / "a.gif").read_bytes().startswith(b"GIF")
