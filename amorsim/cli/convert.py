@@ -65,6 +65,7 @@ def _write_scenario(
 ) -> None:
     """Write a scenario on the map of a file, read it back, and say what it holds and what was lost."""
     from amorsim.core.lost_cells import lost_cells
+    from amorsim.core.reading import is_file
     from amorsim.runs.asked import read_scenario, scenario_document
     from amorsim.scenario.map_words import lost_in_words
 
@@ -73,7 +74,7 @@ def _write_scenario(
         complain(f"{before.map.name}: {warning}")
     document = scenario_document(source, target, before, resolution=resolution, changes=changes)
     again = document.scenario()
-    if target.exists() and not force:
+    if is_file(target) and not force:
         raise AmorsimError(f"{target.name} is there already; --force replaces it")
     document.save()
     rows, columns = again.map.shape
@@ -87,6 +88,7 @@ def _write_stage(source: str, target: Path, *, resolution: float | None, changes
     import attrs
 
     from amorsim.core.lost_cells import lost_cells
+    from amorsim.core.reading import is_file
     from amorsim.foreign.stage.write import stage_models
     from amorsim.runs.asked import placed, read_scenario
     from amorsim.scenario.map_words import lost_in_words
@@ -96,7 +98,7 @@ def _write_stage(source: str, target: Path, *, resolution: float | None, changes
     before = read_scenario(source, resolution=resolution, changes=changes)
     for warning in (*before.remarks, *before.map.warnings):
         complain(f"{before.map.name}: {warning}")
-    if target.exists() and not force:
+    if is_file(target) and not force:
         raise AmorsimError(f"{target.name} is there already; --force replaces it")
     models, lost = stage_models(resolved_table(placed(before)))
     for line in lost:

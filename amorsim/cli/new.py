@@ -10,6 +10,7 @@ import typer
 
 from amorsim.cli.console import say
 from amorsim.core.errors import RunError
+from amorsim.core.reading import is_file
 from amorsim.core.whole_files import write_text
 
 __all__ = ["command"]
@@ -39,7 +40,7 @@ def command(
     if copy and source is None:
         raise RunError("--copy is for a scenario that is given with --from")
     wanted = _FILES if source is None else (SCENARIO,)
-    there = [name for name in wanted if (folder / name).exists()]
+    there = [name for name in wanted if is_file(folder / name)]
     if there:
         raise RunError(f"{folder}: {', '.join(there)} would be replaced; name another folder")
     document = None

@@ -69,6 +69,7 @@ def command(
     The exit status is 1 if there is no path; the message says why. A minus sign needs an equals sign: --from=-1,2.
     """
     from amorsim.core.errors import AmorsimError
+    from amorsim.core.reading import is_file
     from amorsim.core.whole_files import check_place
     from amorsim.runs.asked import look_up_world, read_any_world
     from amorsim.scenario.planners import read_planner
@@ -78,7 +79,7 @@ def command(
     of_planner = [change for change in changes or () if "." not in change.partition("=")[0]]
     of_world = [change for change in changes or () if change not in of_planner]
     made = read_planner(planner, of_planner)
-    if out.exists() and not force:
+    if is_file(out) and not force:
         raise AmorsimError(f"{out} is there already; --force replaces it, -o names another file")
     check_place(out)
     _check_picture(out)

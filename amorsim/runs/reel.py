@@ -12,6 +12,7 @@ from amorsim.core.errors import RunError
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.core.patches import Patch
+from amorsim.core.reading import is_folder
 from amorsim.core.shapes import Shape
 from amorsim.render.animation import SMALLEST, Animation, Shown
 from amorsim.render.video import check_video
@@ -31,9 +32,9 @@ def check_film(path: Path, size: int, rate: float, speed: float | None, kind: st
         raise ParameterError(kind, f"expected the name of a file that ends in .{kind}, got {str(path)!r}")
     if kind == "mp4":
         check_video()
-    if path.is_dir():
+    if is_folder(path):
         raise RunError(f"{path}: is a folder; name a file")
-    if not path.parent.is_dir():
+    if not is_folder(path.parent):
         raise RunError(f"{path}: there is no folder {path.parent}")
     if not SMALLEST <= size <= LARGEST:
         raise ParameterError("gif-size", f"expected at least {SMALLEST} pixels and at most {LARGEST}, got {size}")

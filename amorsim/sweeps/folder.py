@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from amorsim.core.errors import AmorsimError, RunError, StudyError
+from amorsim.core.reading import is_file
 from amorsim.core.whole_files import write_text
 from amorsim.runs.about import read_about
 from amorsim.runs.folder import check_free, circumstances, fingerprints
@@ -48,7 +49,7 @@ class StudyFolder:
         self.path = path
         self._plan = plan
         inputs = inputs_of(plan, scenario)
-        if (path / ABOUT).exists():
+        if is_file(path / ABOUT):
             self.about = read_study_about(path)
             self._check_same(inputs)
         else:

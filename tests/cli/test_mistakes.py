@@ -211,3 +211,21 @@ def test_a_scenario_of_another_format_gets_a_message_of_what_one_is(amorsim: Com
     assert (result.status, result.out) == (2, "")
     assert "'image' is missing" in result.err
     assert result.err.endswith("a scenario is a .toml file\n")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("plan", "maze", "--from", "0.6,0.6", "--to", "5,5", "-o", "LONG.png"),
+        ("convert", "study/rooms.wld", "LONG.toml"),
+        ("convert", "study/scenario.toml", "LONG.world"),
+        ("new", "LONG"),
+        ("run", "study/scenario.toml", "--gif", "LONG.gif"),
+    ],
+    ids=lambda arguments: f"{arguments[0]} {arguments[-1]}",
+)
+def test_names_that_are_too_long_for_a_file(
+    amorsim: Command, study: Path, tmp_path: Path, arguments: tuple[str, ...]
+) -> None:
+    given = [part.replace("LONG", "n" * 300) for part in arguments]
+    assert_refused(amorsim, tmp_path, *given, says=("n" * 300, "File name too long"))

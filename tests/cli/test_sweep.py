@@ -43,6 +43,7 @@ def test_points_that_fail_are_reported(amorsim: Command, tmp_path: Path) -> None
     [
         (("--keep", "some"), "--keep: expected none, all, or numbers of points as 0,7,12, got 'some'"),
         (("--jobs", "0"), "jobs: expected a number of processes >= 1"),
+        (("--out", "n" * 300), "n: cannot make this folder for the study (File name too long)"),
     ],
 )
 def test_mistakes_are_reported(amorsim: Command, file: Path, arguments: tuple[str, ...], words: str) -> None:
