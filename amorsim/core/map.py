@@ -24,6 +24,7 @@ from amorsim.kernels.raycast.scans import cast_scans
 __all__ = ["Map", "drawn_alike"]
 
 _MOST_BYTES = 10**9
+_FARTHEST = 2.0**62  # of the cells that are looked up: beyond any map, and still a whole number of 64 bits
 
 Window = tuple[float, float, float, float]
 """xmin, ymin, xmax, ymax [m]."""
@@ -254,12 +255,15 @@ class Map:
                 f"an array of {high:.6g} x {wide:.6g} cells takes more than 1 GB; pass a smaller window [m], "
                 f"or a resolution of {coarser:.3g} m or coarser"
             )
-        cols, rows = np.ceil(snapped(np.array([wide, high]))).astype(int).tolist()
+        # There is a cell even where the window is so much smaller that it snaps to none.
+        cols, rows = np.maximum(np.ceil(snapped(np.array([wide, high]))), 1.0).astype(int).tolist()
         return rows, cols, self._fine(ymin, side, rows), self._fine(xmin, side, cols)
 
     def _fine(self, low: float, side: float, count: int) -> _Ends:
         """First and last cell of the map in each of `count` spans of `side` [m], from `low` [m] on."""
-        edges = snapped((low + np.arange(count + 1, dtype=np.float64) * side) / self.resolution)
+        with np.errstate(over="ignore"):  # limited next
+            edges = (low + np.arange(count + 1, dtype=np.float64) * side) / self.resolution
+        edges = snapped(np.clip(edges, -_FARTHEST, _FARTHEST))
         first = np.floor(edges[:-1]).astype(np.int64)
         last = np.ceil(edges[1:]).astype(np.int64) - 1
         return first, np.maximum(first, last)

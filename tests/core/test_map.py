@@ -104,6 +104,13 @@ def test_windows_and_coarser_cells() -> None:
     assert beyond[:, 95:].all()
 
 
+@pytest.mark.parametrize("resolution", [10.0, 1e7, 1e8, 1e20, 1e308])
+def test_a_cell_larger_than_the_map_is_one(resolution):
+    for cells in ([[0, 0, 0], [0, 1, 0]], [[0, 0, 0], [0, 0, 0]]):
+        world = Map.from_array(cells, resolution=0.01)
+        assert world.to_array(resolution=resolution).tolist() == [[np.max(cells)]]
+
+
 def test_a_finer_array_repeats_cells() -> None:
     world = Map.from_array([[0, 1], [1, 0]], resolution=1.0)
     np.testing.assert_array_equal(world.to_array(resolution=0.5), np.kron([[0, 1], [1, 0]], np.ones((2, 2))))
