@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image, ImageDraw
 
+from amorsim.core.arguments import whole
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.core.patches import Patch
@@ -21,15 +22,26 @@ from amorsim.render.robot_paths import Points, RobotPath, finite, points_of
 from amorsim.render.things import Thing, draw_thing
 from amorsim.render.words import font, in_words, round_length, shortened
 
-__all__ = ["SMALLEST", "Page", "draw_map", "draw_run"]
+__all__ = ["LARGEST", "SMALLEST", "Page", "checked_size", "draw_map", "draw_run"]
 
 SMALLEST = 240
 """Longer side [px] of the smallest picture: below, title and legend leave nothing to the map."""
+LARGEST = 8192
+"""Longer side [px] of the largest, which takes 3 GB while it is drawn."""
 _GROWTH = 0.25  # of the map's longer side: how far beyond its edge a path is followed
 _ROOM = 0.01  # likewise, around what is shown: walls at the map's edge are seen whole
 _FAR = 1000.0  # likewise: beyond, places are as good as equal
 _LABELS_UP_TO = 25  # robots: each has its label where it ended
 _FULL_SIZE = 20  # robots that are drawn with lines and marks of full size
+
+
+def checked_size(size: object) -> int:
+    """The longer side [px] of a picture; a `ParameterError` for one that is none, or too small or large."""
+    expected = f"at least {SMALLEST} pixels and at most {LARGEST}"
+    pixels = whole(size, "size", expected, least=SMALLEST)
+    if pixels > LARGEST:
+        raise ParameterError("size", f"expected {expected}, got {pixels}")
+    return pixels
 
 
 def draw_map(map: Map, *, size: int = 1600, title: str = "") -> Image.Image:  # noqa: A002 - the field's word
@@ -59,10 +71,9 @@ def draw_run(
     Raises
     ------
     ParameterError
-        If `size` is less than 240.
+        If `size` is less than 240 or more than 8192.
     """
-    if size < SMALLEST:
-        raise ParameterError("size", f"expected at least {SMALLEST} pixels, got {size}")
+    size = checked_size(size)
     page = Page(map, paths, [points_of(zone) for zone in zones], patches, things, size, title)
     page.draw_floor()
     page.draw_walls()

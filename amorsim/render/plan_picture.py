@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from amorsim.contracts import Plan
-from amorsim.core.arguments import check_kind, check_text, numbers, whole
+from amorsim.core.arguments import check_kind, check_text, numbers
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.core.shapes import Shape
@@ -18,7 +18,7 @@ from amorsim.core.trouble import in_words
 from amorsim.render import marks
 from amorsim.render.canvas import FINENESS, Canvas
 from amorsim.render.legend import Item
-from amorsim.render.picture import SMALLEST, Page
+from amorsim.render.picture import Page, checked_size
 
 __all__ = ["draw_plan"]
 
@@ -49,7 +49,7 @@ def draw_plan(
     Raises
     ------
     ParameterError
-        If `size` is less than 240, or something is not what it is to be.
+        If `size` is less than 240 or more than 8192, or something is not what it is to be.
     """
     check_kind(world, Map, "world", "a Map, as am.load_map('room.wld')")
     check_kind(plan, Plan, "plan", "a Plan, as a planner's plan() returns")
@@ -58,7 +58,7 @@ def draw_plan(
             raise ParameterError(name, f"expected (x, y) or (x, y, heading), got {in_words(place)}")
     if footprint is not None:
         check_kind(footprint, Shape, "footprint", "a Shape, as am.Shape.circle(0.25)")
-    size = whole(size, "size", f"at least {SMALLEST} pixels", least=SMALLEST)
+    size = checked_size(size)
     check_text(title, "title")
     page = _PlanPage(world, plan, start, goal, footprint, size, title)
     page.draw_floor()

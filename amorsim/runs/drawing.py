@@ -9,11 +9,11 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
-from amorsim.core.arguments import check_kind, check_text, whole
+from amorsim.core.arguments import check_kind, check_text
 from amorsim.core.errors import AmorsimError
 from amorsim.core.map import Map
 from amorsim.core.trouble import in_words
-from amorsim.render.picture import SMALLEST, draw_map, draw_run
+from amorsim.render.picture import checked_size, draw_map, draw_run
 from amorsim.runs.traces import paths_of, things_of
 from amorsim.scenario.spec import Scenario
 from amorsim.simulation.asked import numbers_in_words
@@ -49,7 +49,7 @@ def draw(
     replica
         Number of the replica to draw; without it, the first.
     size
-        Longer side of the picture [px], 240 at least.
+        Longer side of the picture [px], 240 at least and 8192 at most.
     title
         Stands above the picture.
 
@@ -65,7 +65,7 @@ def draw(
     ScenarioError
         If the scenario cannot be simulated.
     """
-    size = whole(size, "size", f"at least {SMALLEST} pixels", least=SMALLEST)
+    size = checked_size(size)
     check_text(title, "title")
     if isinstance(what, Map):
         return draw_map(what, size=size, title=title)

@@ -76,6 +76,7 @@ def test_a_replica_is_drawn_by_its_number() -> None:
         ("simulation", {"kept": {"true_pose": np.zeros((2, 3))}}, "expected poses (T, 2, 3)"),
         ("simulation", {"kept": {"true_pose": np.zeros((9, 5, 3))}}, "expected poses (T, 2, 3)"),
         ("simulation", {"size": 10}, "expected at least 240 pixels"),
+        ("simulation", {"size": 10**6}, "size: expected at least 240 pixels and at most 8192, got 1000000"),
         ("a text", {}, "expected a Map, a Scenario or a Simulation, got 'a text'"),
     ],
 )
@@ -107,7 +108,8 @@ def test_the_version_is_there_and_the_names_are_the_public_ones() -> None:
         ({"start": (1.0,)}, r"start: expected \(x, y\) or \(x, y, heading\), got \(1\.0,\)"),
         ({"goal": "there"}, r"goal: expected numbers of the shape \(N,\), got 'there'"),
         ({"footprint": 0.2}, r"footprint: expected a Shape, as am\.Shape\.circle\(0\.25\), got 0\.2"),
-        ({"size": "large"}, r"size: expected at least 240 pixels, got 'large'"),
+        ({"size": "large"}, r"size: expected at least 240 pixels and at most 8192, got 'large'"),
+        ({"size": 8193}, "size: expected at least 240 pixels and at most 8192, got 8193"),
         ({"title": 3}, r"title: expected a text, got 3"),
     ],
 )
