@@ -20,10 +20,12 @@ Array = npt.NDArray[np.float64]
 
 
 def path_of(given: object, name: str, expected: str = "a path, as a text or a pathlib.Path") -> Path:
-    """The path that was given; a `ParameterError` for what is none, also for an empty text."""
+    """The path that was given; a `ParameterError` for what is none, as an empty text or one with a null character."""
     text = os.fspath(given) if isinstance(given, os.PathLike) else given
     if not isinstance(text, str) or not text:
         raise ParameterError(name, f"expected {expected}, got {in_words(given)}")
+    if "\0" in text:
+        raise ParameterError(name, f"expected {expected}, without null characters, got {in_words(given)}")
     return Path(text)
 
 

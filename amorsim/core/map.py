@@ -346,7 +346,10 @@ def drawn_alike(one: Grid | None, other: Grid | None) -> bool:
 
 def _cells(given: ArrayLike, what: str) -> NDArray[np.uint8]:
     """An array that is not 0 where what was given is not; without a copy where that can be had."""
-    cells = np.asarray(given)
+    try:
+        cells = np.asarray(given)
+    except ValueError:
+        raise MapError(f"{what} has rows of different lengths; expected (rows, cols), a number for each cell") from None
     if cells.ndim != 2 or cells.size == 0:
         raise MapError(f"{what} has shape {cells.shape}; expected (rows, cols), at least one of each")
     if cells.dtype.kind not in "buif":
