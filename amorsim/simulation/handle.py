@@ -12,6 +12,7 @@ import numpy.typing as npt
 from amorsim.controllers.driving import command_along, joints_of
 from amorsim.controllers.manual import limited
 from amorsim.core.errors import AmorsimError, did_you_mean
+from amorsim.core.parameters import LARGEST
 from amorsim.core.trouble import in_words
 
 if TYPE_CHECKING:
@@ -187,13 +188,18 @@ class RobotHandle(_Handle):
         The robot's own software computes it, with nominal parameters and within the limits of a `manual` controller;
         devices keep their commands. Forward is the direction in which the drive travels: for a synchro drive, the
         direction of its wheels.
+
+        Raises
+        ------
+        AmorsimError
+            If these are not finite numbers, or one is above 1e12.
         """
         group, row = self._group, self._row
         wanted = finite_numbers((forward, left, turn))
-        if wanted is None:
+        if wanted is None or max(map(abs, wanted)) > LARGEST:
             raise AmorsimError(
-                f"robot {self.name!r}: expected finite numbers for forward, turn and left, got "
-                f"{in_words((forward, turn, left))}"
+                f"robot {self.name!r}: expected finite numbers for forward, turn and left, of {LARGEST:g} at the most, "
+                f"got {in_words((forward, turn, left))}"
             )
         twists = np.zeros((group.rows, 3))
         twists[row] = wanted

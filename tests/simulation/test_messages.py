@@ -64,6 +64,14 @@ def test_odd_values_are_reported_in_words(value):
         rover.command(value, 1.0)
 
 
+def test_a_velocity_that_is_too_large_to_be_computed_with_is_reported_in_words():
+    sim = am.Simulation(building.scenario())
+    with pytest.raises(am.AmorsimError, match=r"forward, turn and left, of 1e\+12 at the most, got \(1e\+300, 0\.0, 0"):
+        sim.robot("rover").drive(forward=1e300)
+    sim.robot("rover").drive(forward=1e12, turn=-1e12)  # its drive goes as fast as it can
+    sim.step()
+
+
 @pytest.mark.parametrize("value", [10**5000, Nameless(), "x", math.nan], ids=lambda value: type(value).__name__)
 def test_odd_replicas_and_seeds_are_reported_in_words(value):
     sim = am.Simulation(building.scenario())
