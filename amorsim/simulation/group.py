@@ -41,7 +41,7 @@ from amorsim.simulation.sensing.sensor_unit import SensorUnit
 from amorsim.simulation.truth import true_robots
 from amorsim.simulation.world.sensor_view import GroupView
 from amorsim.simulation.world.world import World
-from amorsim.simulation.zones import Zones
+from amorsim.simulation.zones import Zones, contact_points
 
 __all__ = ["Group"]
 
@@ -264,6 +264,11 @@ class Group:
     @of_drive
     def arrive(self, poses: Array, stop: Array) -> None:
         """Take the poses `(N, 3)` after contact, and stop the wheels of robots in contact."""
+        self._take(poses, stop)
+        if self.zones and (stop < 1.0).any():
+            self.zones.halt(stop < 1.0, contact_points(self.drive, self.joints, self.true_pose))
+
+    def _take(self, poses: Array, stop: Array) -> None:
         form, motion = self._motion
         if form == ARC and type(self.drive).follow is Drive.follow:
             self.true_twist = np.empty((self.rows, 3))

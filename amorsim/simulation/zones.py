@@ -58,6 +58,12 @@ class Zones:
             memory["inside"] = memory["inside"].copy()
             memory["inside"][row] = False
 
+    def halt(self, stopped: Bools, points: Array) -> None:
+        """Judge rows that something `stopped` `(N,)` by where their wheels are, `points` `(N, r, 2)` in the world."""
+        for zone, memory in zip(self._zones, self._memories, strict=True):
+            near = _around(zone.shape, _in_frame(zone, points.reshape(-1, 2)))[1].reshape(memory["inside"].shape)
+            memory["inside"] = memory["inside"] & (near | ~stopped[:, None])
+
     def passed(
         self,
         drive: Drive,
@@ -107,10 +113,9 @@ class Zones:
             a, b = _in_frame(zone, start), _in_frame(zone, stop)
             share = share_within(zone.shape, a, b).reshape(travel.shape)
             stays = memory["inside"]
-            inside = _inside(zone.shape, a, stays)
+            inside = _around(zone.shape, a)[0].reshape(travel.shape) | stays
             entered = (share > 0.0) & (travel != 0.0) & ~inside
-            side = {"entered": entered.astype(np.float64), "inside": (inside & stays).astype(np.float64)}
-            memory["inside"] = inside | entered
+            side = {"entered": entered.astype(np.float64), "inside": stays.astype(np.float64)}
             # Outside the zone nothing changes, not even the sign of a zero.
             within = np.where(share > 0.0, travel * share, 0.0)
             share = _cut(zone, a, b, share, within, chain.median(within, side, elapsed))
@@ -123,6 +128,9 @@ class Zones:
             over = np.where(travel != 0.0, travel, 1.0)
             stop = start + (stop - start) * np.where(travel != 0.0, slipped / over, 1.0).reshape(-1, 1)
             travel = slipped
+            # By the straight line, not by where it comes: on a curve, one that rests on the border may come off it.
+            near = _around(zone.shape, _in_frame(zone, stop))[1].reshape(travel.shape)
+            memory["inside"] = (inside | entered) & near
         return travel, slide
 
     def states(self) -> dict[str, State]:
@@ -133,14 +141,13 @@ class Zones:
         return found
 
 
-def _inside(shape: Shape, points: Array, stays: Bools) -> Bools:
-    """Whether wheels at points `(N * r, 2)` [m] of a shape's frame are inside; on the border, those that stay `(N, r)`.
+def _around(shape: Shape, points: Array) -> tuple[Bools, Bools]:
+    """Whether points `(M, 2)` [m] of a shape's frame are inside, and not on its border; and whether they are on either.
 
     The points around one tell whether it is on the border, so corners and cuts between parts need no rule of their own.
     """
     around = [contains(shape, points + np.array(offset)) for offset in itertools.product((-_BORDER, _BORDER), repeat=2)]
-    within, near = np.all(around, axis=0).reshape(stays.shape), np.any(around, axis=0).reshape(stays.shape)
-    return np.asarray(within | (near & stays))
+    return np.all(around, axis=0), np.any(around, axis=0)
 
 
 def _cut(zone: Zone, a: Array, b: Array, share: Array, within: Array, passed: Array) -> Array:

@@ -193,6 +193,17 @@ def test_who_starts_or_is_put_on_a_sill_has_not_entered_it(dt):
     assert sim.true_pose[0, 0] == pytest.approx(0.3 - lacks(0.01), abs=1e-9)
 
 
+@pytest.mark.parametrize("dt", [0.01, 0.02, 0.1])
+@pytest.mark.parametrize("heading", [0.3, 0.5, 0.7])
+def test_both_wheels_of_a_robot_that_comes_aslant_meet_one_bump(dt, heading):
+    sill = zone(Bump(height=0.004), shape=Shape.rectangle(0.02, 40.0), x=1.0)
+    robot = building.robot(pose=am.Pose(heading=heading))
+    sim = am.Simulation(building.scenario(robot, map=building.empty(), dt=dt, zones=[sill]))
+    sim.robot("rover").drive(forward=0.2)
+    sim.run(10.0)
+    assert sim.true_pose[0, 2] == pytest.approx(heading, abs=1e-9)
+
+
 def test_one_replica_that_begins_again_meets_the_bumps_that_it_meets_alone():
     robot = building.robot(pose=am.Pose(), controller=building.Roam(), on_collision="continue")
     zones = [zone(Bump(height=0.01), shape=Shape.circle(0.3))]
