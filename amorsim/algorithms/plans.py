@@ -11,6 +11,7 @@ import numpy as np
 from amorsim.contracts import Plan, Planner
 from amorsim.core.errors import AmorsimError, ComponentError
 from amorsim.core.map import Map
+from amorsim.core.parameters import LARGEST
 from amorsim.core.shapes import Shape
 from amorsim.core.trouble import RAISED, error_in_words, in_words
 
@@ -65,8 +66,8 @@ def _problem(plan: Any) -> str:
         return "expected a Plan with `poses`, as its status is 'found', got none"
     if len(plan.trailer) not in (0, len(plan.poses)):
         return f"expected a Plan with a pose in `trailer` for each of `poses`, got {len(plan.trailer)}"
-    for name in ("length", "cost"):
+    for name, most in (("length", LARGEST), ("cost", math.inf)):  # a planner need not say what it minimised
         value: Any = getattr(plan, name)
-        if not isinstance(value, (float, int, np.floating, np.integer)) or not 0.0 <= value < math.inf:
+        if not isinstance(value, (float, int, np.floating, np.integer)) or not 0.0 <= value <= most:
             return f"expected a Plan found whose `{name}` is a number >= 0, got {in_words(value)}"
     return ""

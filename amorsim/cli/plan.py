@@ -93,7 +93,7 @@ def command(
     once = f" ({_in_time(first)} with what is kept for the next plan)" if first > 2.0 * took and first > 0.01 else ""
     if plan.status == "found":
         parts = [f"length {plan.length:.3f} m"]
-        if abs(plan.cost - plan.length) > 1e-6 * plan.length:
+        if math.isfinite(plan.cost) and abs(plan.cost - plan.length) > 1e-6 * plan.length:
             parts.append(f"cost {plan.cost:.3f}")
         complaint = ""
     else:

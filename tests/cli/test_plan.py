@@ -156,7 +156,7 @@ def test_a_mistake_is_said_in_words(
     assert not list(tmp_path.glob("plan.*"))
 
 
-def _fail() -> am.contracts.Plan:
+def _fail() -> am.Plan:
     raise KeyError("no such key")
 
 
@@ -166,14 +166,14 @@ def _fail() -> am.contracts.Plan:
         (_fail, "plan() raised KeyError: 'no such key'"),
         (lambda: None, "expected a Plan, got None from plan()"),
         (lambda: [(0.0, 0.0)], "expected a Plan, got [(0.0, 0.0)] from plan()"),
-        (lambda: am.contracts.Plan(status="lost"), "got 'lost'"),
-        (lambda: am.contracts.Plan(status="found", length=1.0, cost=1.0), "expected a Plan with `poses`"),
+        (lambda: am.Plan(status="lost"), "got 'lost'"),
+        (lambda: am.Plan(status="found", length=1.0, cost=1.0), "expected a Plan with `poses`"),
         (
-            lambda: am.contracts.Plan(status="found", poses=np.full((2, 3), np.nan), length=1.0, cost=1.0),
+            lambda: am.Plan(status="found", poses=np.full((2, 3), np.nan), length=1.0, cost=1.0),
             "expected a Plan with finite numbers in `poses`, got nan or inf",
         ),
-        (lambda: am.contracts.Plan(status="found", poses=np.zeros((2, 2)), length=1.0), "`poses` of numbers (M, 3)"),
-        (lambda: am.contracts.Plan(status="found", poses=np.zeros((2, 3))), "whose `length` is a number >= 0, got inf"),
+        (lambda: am.Plan(status="found", poses=np.zeros((2, 2)), length=1.0), "`poses` of numbers (M, 3)"),
+        (lambda: am.Plan(status="found", poses=np.zeros((2, 3))), "whose `length` is a number >= 0, got inf"),
     ],
 )
 def test_an_answer_that_is_no_plan_is_said_with_the_planners_name(
@@ -201,3 +201,12 @@ def test_a_missing_map_is_said_in_words(amorsim: Command) -> None:
     result = amorsim("plan", "nowhere.png", *ENDS)
     assert result.status == 2
     assert "there is no such file" in result.err
+
+
+def test_a_planner_need_not_say_a_cost(amorsim: Command, rooms: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    poses = np.array([[0.55, 0.55, 0.0], [1.55, 0.55, 0.0]])
+    found = am.Plan(status="found", poses=poses, length=1.0)
+    monkeypatch.setattr(am.planners.AStar, "plan", lambda self, world, start, goal, *, footprint=None: found)
+    result = amorsim("plan", rooms, *ENDS)
+    assert result.status == 0
+    assert "found: length 1.000 m, 0 expanded" in result.out
