@@ -188,9 +188,9 @@ class _RobotReadings(dict[str, RobotReading]):
 def _by_robot(
     readings: Mapping[str, Measurement], estimate: Estimate, clock: Clock
 ) -> Iterator[tuple[_RobotReadings, RobotEstimate, RobotClock]]:
-    """What each robot's code gets: of readings, which are copies, and of copies, so it may keep and change them."""
+    """What each robot's code gets; of copies, so that it may keep and change them."""
     read = [
-        map(RobotReading, measured, stamp[:, 0].tolist(), age[:, 0].tolist(), fresh[:, 0].tolist())
+        map(RobotReading, measured.copy(), stamp[:, 0].tolist(), age[:, 0].tolist(), fresh[:, 0].tolist())
         for measured, stamp, age, fresh in readings.values()
     ]
     estimates = map(RobotEstimate, estimate.pose.copy().view(PoseVector), estimate.covariance.copy())

@@ -28,12 +28,13 @@ def check_drive(drive: Drive, rows: int, whose: Whose) -> None:
     rolling = sum(joint.rolls for joint in drive.joints)
     one = np.ones((count, 1))
     asked: dict[str, tuple[Callable[[], Any], int]] = {
-        "rolling_radius()": (lambda: some.rolling_radius(), rolling),
         "twist()": (lambda: some.twist(rest, rest), 3),
         "displacement()": (lambda: some.displacement(rest, rest, one), 3),
         "travel()": (lambda: some.travel(rest, rest), 2),
         "command_for()": (lambda: some.command_for(np.zeros((count, 3)), rest), len(drive.channels)),
     }
+    if rolling:
+        asked["rolling_radius()"] = (lambda: some.rolling_radius(), rolling)
     for method, (ask, width) in asked.items():
         try:
             found = ask()
