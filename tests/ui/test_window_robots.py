@@ -122,6 +122,22 @@ def test_the_view_is_fitted_again_when_the_window_changes_its_size(window: Windo
     assert (window.see("stage.camera.scale"), window.see("stage.camera.x")) == (scale, x)
 
 
+@pytest.mark.parametrize("width", [1280, 400])
+def test_nothing_of_the_bars_and_the_table_is_cut_in_a_small_window(
+    window: Window, small: Callable[..., Any], width: int
+) -> None:
+    small(width, 800)
+    cut = window.page.evaluate(
+        """() => [...document.querySelectorAll(".bar, .timebar, .panel.robot .tools, .numbers th, .numbers td")]
+            .filter(one => one.clientWidth && one.scrollWidth > one.clientWidth + 1)
+            .map(one => one.outerHTML.slice(0, 80))"""
+    )
+    assert cut == []
+    assert window.page.locator(".timebar .speed input").bounding_box()["width"] > 60
+    clock = window.page.locator(".timebar .now").bounding_box()
+    assert clock["x"] + clock["width"] <= width
+
+
 def test_no_caption_is_cut_at_1366_by_768(window: Window) -> None:
     assert window.page.viewport_size == {"width": 1366, "height": 768}
     window.page.evaluate("document.querySelectorAll('details').forEach(one => one.open = true)")
