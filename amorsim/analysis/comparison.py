@@ -199,7 +199,7 @@ def compare(
             raise AnalysisError(f"axis: is for one study, got {len(read)}")
         return attrs.evolve(_along(read[0], axis, metrics), origin=_origin(read, axis, metrics))
     if len(read) < 2:
-        raise AnalysisError(f"expected two studies at least, or one with axis=, got {len(read)}")
+        raise AnalysisError(f"expected two studies at least, or one and an axis of it, got {len(read)}")
     names = list(labels) or _names(read)
     if len(names) != len(read) or len(set(names)) < len(names):
         raise AnalysisError(f"labels: expected {len(read)} different names, got {names}")

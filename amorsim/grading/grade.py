@@ -98,6 +98,8 @@ def grade(
     read = read_rubric(rubric)
     paths = [Path(path) for path in submissions]
     for path in paths:
+        if path.is_dir():
+            raise StudyError(f"{path}: it is a folder; a submission is a file of Python")
         if not path.is_file():
             raise StudyError(f"{path}: there is no such file; a submission is a file of Python")
     folder = Path(out)

@@ -201,7 +201,7 @@ def write_map(
         for made in () if force else sorted(folder.rglob("*")):
             place = path.parent / made.relative_to(folder)
             if made.is_file() and os.path.lexists(place):
-                raise MapError(f"{place.name} is there already; --force (force=True) replaces it")
+                raise MapError(f"{place.name} is there already; --force replaces it")
         if more:
             with again.source.path.open("a", encoding="utf-8", newline="") as file:
                 file.write(more)

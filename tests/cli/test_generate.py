@@ -26,7 +26,7 @@ def test_a_file_that_is_there_is_replaced_by_force_alone(amorsim: Command, tmp_p
     before = (tmp_path / "maze.wld").read_bytes()
     result = amorsim(*arguments, "--seed", 5)
     assert result.status == 2
-    assert "is there already; --force" in result.err
+    assert result.err.endswith("maze.wld is there already; --force replaces it\n")
     assert (tmp_path / "maze.wld").read_bytes() == before
     assert amorsim(*arguments, "--seed", 5, "--force").status == 0
     assert (tmp_path / "maze.wld").read_bytes() != before
@@ -38,6 +38,11 @@ def test_a_file_that_is_there_is_replaced_by_force_alone(amorsim: Command, tmp_p
         (("offic", "-o", "a.png"), "Did you mean 'office'?"),
         (("office", "-o", "a.png", "--set", "corridr=2"), "Did you mean 'corridor'?"),
         (("office", "-o", "a.png", "--set", "door=0.4"), "door is 0.4 m"),
+        (
+            ("maze", "-o", "a.png", "--size", "0", "3"),
+            "--size: expected a width and a height [m] > 0 and <= 10000, got 0",
+        ),
+        (("maze", "-o", "a.png", "--size", "nan", "3"), "--size: expected a width and a height"),
         (("office", "-o", "a.xyz"), "no format of maps is known"),
     ],
 )

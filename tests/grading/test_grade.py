@@ -371,6 +371,8 @@ def test_a_wrong_rubric_is_reported_before_anybody_is_graded(course: Path, old: 
 def test_a_submission_that_is_not_there_is_reported(course: Path) -> None:
     with pytest.raises(am.StudyError, match=r"none.py: there is no such file"):
         grade(course, [course.parent / "none.py"], course.parent / "grades")
+    with pytest.raises(am.StudyError, match=r"it is a folder; a submission is a file of Python"):
+        grade(course, [course.parent], course.parent / "grades")
 
 
 ESTIMATOR = """\
