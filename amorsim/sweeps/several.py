@@ -12,6 +12,7 @@ from typing import Any
 import attrs
 
 from amorsim.core.errors import AmorsimError, StudyError
+from amorsim.core.reading import is_file
 from amorsim.core.whole_files import write_text
 from amorsim.runs.folder import check_free, new_folder
 from amorsim.scenario.read import load
@@ -90,7 +91,7 @@ class Several:
             folder = new_folder(name)
         else:
             folder = out
-            if (folder / ABOUT).exists():
+            if is_file(folder / ABOUT):
                 _check_same(folder, about)
                 return folder
             check_free(folder)
