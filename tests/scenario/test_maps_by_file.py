@@ -82,7 +82,6 @@ def test_where_two_claim_an_extension_the_first_bytes_decide(boxes, folder, tmp_
         ("a.box", {}, "side"),
         ("crash.box", {"side": 1.0}, "crash.box: Boxes failed with ZeroDivisionError: oh"),
         ("nothing.box", {"side": 1.0}, "Boxes gave 'no map', which is no map"),
-        ("a\0b", {}, "cannot be read"),
     ],
 )
 def test_what_is_wrong_is_said(boxes, folder, name, options, words):
