@@ -272,7 +272,7 @@ POSITIVE = st.floats(min_value=1e-9, max_value=1e9)
 @given(
     x=FINITE,
     heading=st.floats(-10.0, 10.0),
-    radius=st.floats(1e-3, 10.0),
+    radius=st.floats(4e-3, 10.0),
     rate=st.none() | POSITIVE,
     fov=st.floats(0.01, 2 * math.pi),
     std=st.floats(0.0, 10.0),
