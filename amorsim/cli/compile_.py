@@ -16,6 +16,6 @@ def command(
 ) -> None:
     """Compile what usual runs, the bundled scenarios, avoiders, generated worlds and planners need, ahead of the first.
 
-    It takes two to five minutes, once after installing or updating. What is compiled already is kept.
+    It takes two to three minutes, once after installing or updating. What is compiled already is kept.
     """
     compile_all(quiet, more=True)

@@ -33,7 +33,7 @@ def check_drive(drive: Drive, rows: int, whose: Whose) -> None:
         "travel()": (lambda: some.travel(rest, rest), 2),
         "command_for()": (lambda: some.command_for(np.zeros((count, 3)), rest), len(drive.channels)),
     }
-    if rolling:
+    if rolling:  # else it need not know how many rows it is
         asked["rolling_radius()"] = (lambda: some.rolling_radius(), rolling)
     for method, (ask, width) in asked.items():
         try:

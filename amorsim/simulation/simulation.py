@@ -86,7 +86,7 @@ class Simulation:
         # Recorders keep the groups of the beginning, whatever chains robots come to have.
         self._partition = tuple(tuple(group.names) for group in self._fleet.groups)
         self._starts += 1
-        self._is_within_step = False  # stays true of a step that was broken off
+        self._began: int | None = None  # the tick at which a step began that has not ended
         phases.first_look(self._fleet)
 
     def __repr__(self) -> str:
@@ -121,16 +121,16 @@ class Simulation:
         AmorsimError
             If the step before was broken off: by Ctrl-C, or by an error of a component.
         """
-        if self._is_within_step:
+        if self._began is not None:
             raise AmorsimError(
-                f"the step after {float(self._fleet.ticks[0]) * self.dt:g} s was broken off, so some robots have made "
+                f"the step after {self._began * self.dt:g} s was broken off, so some robots have made "
                 "half of it; expected restore(snapshot), reset() or a new simulation before the next step"
             )
-        self._is_within_step = True
+        self._began = int(self._fleet.ticks[0])
         if self._fleet.kidnappings:
             self._kidnap()
         phases.step(self._fleet)
-        self._is_within_step = False
+        self._began = None
 
     def _kidnap(self) -> None:
         moves = [
@@ -393,7 +393,8 @@ class Simulation:
         again[list(chosen)] = True
         begin_episode(self._fleet, again)
         self._starts += 1
-        self._is_within_step &= not again.all()
+        if again.all():
+            self._began = None
 
     def snapshot(self) -> Snapshot:
         """A copy of all that changes, for `restore`.
@@ -422,7 +423,7 @@ class Simulation:
             self._build(snapshot.seed, fleet.scenario)
         put_back(self._fleet, snapshot, np.ones(len(self.replicas), dtype=bool))
         self._starts += 1
-        self._is_within_step = False
+        self._began = None
         self._fleet.events = list(snapshot.events)
 
     # -------------------------------------------------------------------------------------------------- a picture

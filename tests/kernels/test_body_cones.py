@@ -24,13 +24,7 @@ def nearest(scene, origins, half, *, own=-1, replica=0, range_max=math.inf, wall
     rows, bearings = len(origins), cone_bearings(half)
     out = np.broadcast_to(np.asarray(walls, dtype=float), (rows,)).copy()
     nearest_bodies(
-        scene.bodies,
-        scene.poses,
-        max((sum(map(len, shape.parts)) for shape in scene.shapes), default=0),
-        scene.table,
-        scene.widest,
-        np.broadcast_to(np.asarray(replica, dtype=np.int64), (rows,)).copy(),
-        np.broadcast_to(np.asarray(own, dtype=np.int64), (rows,)).copy(),
+        *scene.around(rows, own, replica),
         origins,
         half,
         np.cos(bearings),

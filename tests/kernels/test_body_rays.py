@@ -55,6 +55,18 @@ class Scene:
         )
         hash_bodies(self.poses, self.bodies.reach, self.owner, self.first, self.table)
 
+    def around(self, rows, own, replica):
+        """The first arguments of all kernels that look at bodies: these, and whose and where the sensors are."""
+        return (
+            self.bodies,
+            self.poses,
+            max((sum(map(len, shape.parts)) for shape in self.shapes), default=0),
+            self.table,
+            self.widest,
+            np.broadcast_to(np.asarray(replica, dtype=np.int64), (rows,)).copy(),
+            np.broadcast_to(np.asarray(own, dtype=np.int64), (rows,)).copy(),
+        )
+
     def cast(
         self,
         origins,
@@ -73,13 +85,7 @@ class Scene:
         out = np.broadcast_to(np.asarray(walls, dtype=float), (rows, beams)).copy()
         hit = np.full(out.shape, -1, dtype=np.int64)
         by(
-            self.bodies,
-            self.poses,
-            max((sum(map(len, shape.parts)) for shape in self.shapes), default=0),
-            self.table,
-            self.widest,
-            np.broadcast_to(np.asarray(replica, dtype=np.int64), (rows,)).copy(),
-            np.broadcast_to(np.asarray(own, dtype=np.int64), (rows,)).copy(),
+            *self.around(rows, own, replica),
             origins,
             np.cos(bearings),
             np.sin(bearings),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 from typing import Any
 
+import attrs
 import numpy as np
 import pytest
 
@@ -60,6 +61,23 @@ def test_after_a_step_that_was_broken_off_there_is_no_next() -> None:
     sim.restore(snapshot)
     sim.run(0.3)
     assert sim.tick == 3
+
+
+def test_the_time_is_that_at_which_the_step_began_whatever_phase_failed() -> None:
+    @attrs.frozen(kw_only=True)
+    class Failing(am.estimators.DeadReckoning):
+        def update(self, *given: Any) -> Any:
+            if state["at"] == 4:  # the first update is before any step
+                raise ValueError("a fault of the user's")
+            state["at"] += 1
+            return super().update(*given)
+
+    state = {"at": 0}
+    sim = am.Simulation(building.scenario(building.robot(name="rover", estimators={"dr": Failing()})))
+    with pytest.raises(am.AmorsimError, match="a fault of the user's"):
+        sim.run(1.0)
+    with pytest.raises(am.AmorsimError, match=r"the step after 0\.3 s was broken off"):
+        sim.step()
 
 
 @pytest.mark.parametrize("seed", [None, 7])

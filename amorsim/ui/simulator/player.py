@@ -131,7 +131,7 @@ class Player(Simulated):
         self.fault = fault
         if not self.snapshots.reason:
             self._go_to(self._newest, lambda _: None)  # to be finished, also where all is about to end
-        self.simulation._is_within_step = False
+        self.simulation._began = None
         self.remark("fault", fault.text, robot=", ".join(fault.robots), stack=fault.stack)
 
     def forgive(self) -> None:
