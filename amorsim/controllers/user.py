@@ -178,25 +178,45 @@ class UserController(UserCode, Controller):
         return answers.command()
 
 
-class _RobotReadings(dict[str, RobotReading]):
-    """The readings of one robot by sensor; the error for an unknown name lists the sensors."""
+class _RobotReadings(Mapping[str, RobotReading]):
+    """The readings of one robot by sensor, each made at its first use; the error for an unknown name lists the sensors.
 
-    def __missing__(self, name: str) -> RobotReading:
-        raise KeyError(f"there is no sensor {name!r}, but: {', '.join(self) or 'none'}.{did_you_mean(name, self)}")
+    A robot's code uses few of its sensors in a step.
+    """
+
+    __slots__ = ("_made", "_of_all", "_row")
+
+    def __init__(self, of_all: Mapping[str, Measurement], row: int) -> None:
+        self._of_all = of_all
+        self._row = row
+        self._made: dict[str, RobotReading] = {}
+
+    def __getitem__(self, name: str) -> RobotReading:
+        if name not in self._made:
+            if name not in self._of_all:
+                known = ", ".join(self) or "none"
+                raise KeyError(f"there is no sensor {name!r}, but: {known}.{did_you_mean(name, self._of_all)}")
+            measured, stamp, age, fresh = self._of_all[name]
+            row = self._row
+            self._made[name] = RobotReading(measured[row].copy(), stamp.item(row), age.item(row), fresh.item(row))
+        return self._made[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._of_all)
+
+    def __len__(self) -> int:
+        return len(self._of_all)
 
 
 def _by_robot(
     readings: Mapping[str, Measurement], estimate: Estimate, clock: Clock
 ) -> Iterator[tuple[_RobotReadings, RobotEstimate, RobotClock]]:
     """What each robot's code gets; of copies, so that it may keep and change them."""
-    read = [
-        map(RobotReading, measured.copy(), stamp[:, 0].tolist(), age[:, 0].tolist(), fresh[:, 0].tolist())
-        for measured, stamp, age, fresh in readings.values()
-    ]
+    now = dict(readings)  # a robot that keeps its readings keeps those of this step
     estimates = map(RobotEstimate, estimate.pose.copy().view(PoseVector), estimate.covariance.copy())
     clocks = map(RobotClock, clock.tick[:, 0].tolist(), clock.time[:, 0].tolist(), itertools.repeat(float(clock.dt)))
-    for now, believed, *of_sensors in zip(clocks, estimates, *read, strict=True):
-        yield _RobotReadings(zip(readings, of_sensors, strict=True)), believed, now
+    for row, (believed, time) in enumerate(zip(estimates, clocks, strict=True)):
+        yield _RobotReadings(now, row), believed, time
 
 
 class _Answers:
@@ -225,7 +245,8 @@ class _Answers:
                 raise self._wrong(row, answer, f"a {type(self._robot.drive).__name__} takes no wheel speeds")
             self._speeds[row] = self._numbers(row, answer, (answer.left, answer.right))
             self._gave_speeds[row] = True
-        elif isinstance(answer, (Sequence, np.ndarray)) and not isinstance(answer, (str, bytes)):
+        # Most answers are tuples, which are sooner told than sequences in general.
+        elif isinstance(answer, (tuple, list, np.ndarray, Sequence)) and not isinstance(answer, (str, bytes)):
             is_flat = not isinstance(answer, np.ndarray) or answer.ndim == 1
             if not is_flat or len(answer) not in (len(channels), len(self._robot.drive.channels)):
                 raise self._wrong(row, answer, f"there are {len(channels)} channels")

@@ -3,6 +3,7 @@ import math
 import numpy as np
 import pytest
 
+import amorsim as am
 from amorsim.contracts import Clock, Context, Draws, Estimate, Measurement, RobotModel
 from amorsim.controllers import Twist, UserController, WheelSpeeds
 from amorsim.core.errors import ControllerError
@@ -79,6 +80,39 @@ def test_what_it_sees_is_its_own_to_change():
     assert runner.readings["laser"].measured.min() == 0.0
     assert runner.estimate.pose.min() == 0.5
     assert runner.estimate.covariance.min() == 0.0
+
+
+def test_what_it_sees_is_a_reading_of_each_sensor_and_the_same_at_each_look():
+    seen = []
+
+    def look(readings, estimate, clock):
+        readings["laser"].measured[0] = 7.0
+        seen.append((dict(readings), readings["laser"].measured[0], len(readings), "lazer" in readings))
+
+    runner = Runner(look)
+    runner.command()
+    for held, first, count, has_lazer in seen:
+        assert held.keys() == runner.readings.keys()
+        assert (first, count, has_lazer) == (7.0, len(runner.readings), False)
+
+
+def test_readings_that_it_keeps_stay_those_of_their_step():
+    kept = []
+
+    def keep(readings, estimate, clock):
+        kept.append(readings)
+
+    robot = am.load_robot("pioneer2dx", controller=keep, pose=am.Pose(x=2.0, y=2.0))
+    cells = np.zeros((80, 80), dtype=bool)
+    cells[[0, -1]] = cells[:, [0, -1]] = True
+    simulation = am.Simulation(am.Scenario(map=am.Map.from_array(cells, resolution=0.05), robots=[robot]))
+    logged = []
+    for _ in range(3):
+        logged.append(simulation.readings["gyro"].measured[0].copy())
+        simulation.step()
+    assert [readings["gyro"].stamp for readings in kept] == [0, 1, 2]
+    assert [readings["gyro"].measured.tolist() for readings in kept] == [row.tolist() for row in logged]
+    assert len({readings["gyro"].measured.item() for readings in kept}) == 3
 
 
 @pytest.mark.parametrize(
