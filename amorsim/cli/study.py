@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from amorsim.cli.console import compile_once, complain
 from amorsim.core.errors import RunError
+from amorsim.core.whole_files import check_place
 from amorsim.render.words import NOTHING
 
 if TYPE_CHECKING:
@@ -26,15 +27,21 @@ def read_study(name: str, changes: Sequence[str] | None, seed: int | None) -> Sc
 
 
 def check_out(out: Path | None) -> None:
-    """Raise the error of `claim_folder` for a folder that is not empty or cannot be made, before any experiment."""
-    from amorsim.runs.folder import check_free
+    """Raise the error of `claim_folder`, or of a file that cannot be written there, before any experiment.
+
+    So it does for a folder that is not empty. It leaves no folder: until there is something to write.
+    """
+    from amorsim.runs.folder import RUNS, check_free, new_folder
 
     check_free(out)
-    if out is None or out.exists():
-        return
-    missing = [out, *(folder for folder in out.parents if not folder.exists())]
-    _make(out)
-    for folder in missing:  # until there is something to write
+    place = Path.cwd() / RUNS if out is None else out
+    missing = [folder for folder in (place, *place.parents) if not folder.exists()]
+    if out is None:
+        new_folder("results").rmdir()
+    else:
+        _make(out)
+        check_place(out / "results")
+    for folder in missing:
         folder.rmdir()
 
 

@@ -21,6 +21,7 @@ from amorsim.plugins.manager import default_registry
 from amorsim.runs.machine import processor
 
 __all__ = [
+    "RUNS",
     "RunFolder",
     "check_free",
     "circumstances",
@@ -31,6 +32,7 @@ __all__ = [
 ]
 
 FORMAT = 1
+RUNS = "amorsim-runs"  # where folders go that nobody named
 ABOUT = "run.json"
 CLAIM = ".amorsim-claim"  # a folder that exists while a run claims the folder around it
 ROOM = ".amorsim-room"  # a file that reserves space until a run ends: on a full disk, the last run.json replaces it
@@ -48,7 +50,7 @@ def new_folder(name: str, base: Path | None = None) -> Path:
     RunError
         If it cannot be made.
     """
-    parent = (base or Path.cwd()) / "amorsim-runs"
+    parent = (base or Path.cwd()) / RUNS
     number = 1
     while True:
         path = parent / f"{name}-{number:03d}"

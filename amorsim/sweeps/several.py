@@ -14,7 +14,7 @@ import attrs
 from amorsim.core.errors import AmorsimError, StudyError
 from amorsim.core.reading import is_file
 from amorsim.core.whole_files import write_text
-from amorsim.runs.folder import check_free, new_folder
+from amorsim.runs.folder import RUNS, check_free, new_folder
 from amorsim.scenario.read import load
 from amorsim.sweeps.folder import inputs_of
 from amorsim.sweeps.read import read_plan
@@ -84,7 +84,7 @@ class Several:
         """
         about = self._about()
         if out is None:
-            begun = (path.parent for path in Path.cwd().glob(f"amorsim-runs/{name}-*/{ABOUT}"))
+            begun = (path.parent for path in Path.cwd().glob(f"{RUNS}/{name}-*/{ABOUT}"))
             same = (path for path in begun if not (path / ended).exists() and _read(path) == about)
             if (found := max(same, default=None)) is not None:
                 return found

@@ -13,6 +13,7 @@ from amorsim.core.arguments import path_of, whole
 from amorsim.core.errors import AmorsimError, StudyError
 from amorsim.core.parameters import ParameterError
 from amorsim.core.trouble import in_words
+from amorsim.runs.folder import RUNS
 from amorsim.scenario.read import load
 from amorsim.scenario.spec import Scenario
 from amorsim.simulation.keeping import Keeper
@@ -78,7 +79,7 @@ def sweep(
     plan = read_plan(study)
     try:
         jobs = whole(jobs, "jobs", "a number of processes >= 1", least=1)
-        path = Path("amorsim-runs") / plan.name if out is None else path_of(out, "out")
+        path = Path(RUNS) / plan.name if out is None else path_of(out, "out")
     except ParameterError as error:
         raise StudyError(str(error)) from None
     if dask is not None:

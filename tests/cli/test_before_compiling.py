@@ -86,6 +86,13 @@ def test_a_folder_that_cannot_be_made_is_reported_before_any_experiment(
     with pytest.raises(AssertionError, match="compiled for nothing"):
         amorsim(name, study, "--out", "new/of/mine", *options)
     assert not (tmp_path / "new").exists()
+    with pytest.raises(AssertionError, match="compiled for nothing"):
+        amorsim(name, study, *options)
+    assert not (tmp_path / "amorsim-runs").exists()
+    (tmp_path / "amorsim-runs").touch()
+    result = amorsim(name, study, *options)
+    assert (result.status, result.out) == (2, "")
+    assert "amorsim-runs: is in the way of the folder for runs" in result.err
 
 
 @pytest.mark.usefixtures("just_installed")
