@@ -18,6 +18,7 @@ from amorsim.scenario.spec import Robot
 from amorsim.simulation.alike import channels_of, reading_size, robot_model
 from amorsim.simulation.asked import checked_seed
 from amorsim.simulation.blame import Whose
+from amorsim.simulation.drive_check import check_drive
 from amorsim.simulation.estimating import Estimators
 from amorsim.simulation.feeding import FeedingError, feeding_order
 from amorsim.simulation.first_beliefs import BELIEF, first_beliefs
@@ -63,7 +64,7 @@ class EstimatorRunner:
     ------
     AmorsimError
         If the robot has no pose, or no estimator of that name, or the map of its replica cannot be made; a
-        `ComponentError` if the estimator refuses the robot.
+        `ComponentError` if the estimator refuses the robot, or the drive's answers are not of the contract's shapes.
     """
 
     def __init__(
@@ -105,6 +106,7 @@ class EstimatorRunner:
         self._clock = RowClock(np.array([replica]), self._dt)
         self._streams = Streams(seed or 0, [robot.name], self._clock.counter)
         whose = Whose("robot", [robot.name], self._clock)
+        check_drive(self._model.drive, 1, whose)
         draws = {one: self._streams.draws("estimator", one) for one in robot.estimators}
         self._estimators = Estimators(draws, whose, self._clock)
         self._estimators.set_parameters([robot])

@@ -195,7 +195,8 @@ def _tried(plan: Plan, axis: Axis, scenario: Scenario) -> Simulation:
     for place in places if neutral is None and len(plan.axes) > 1 else ():
         with contextlib.suppress(AmorsimError):  # it may need what another axis sets
             return _simulated(plan, {**firsts, axis.name: place})
-    raise StudyError(f"no value of this axis can be set: {problem}")
+    which = "" if neutral is None else " that would change the scenario"
+    raise StudyError(f"no value of this axis{which} can be set: {problem}")
 
 
 def _simulated(plan: Plan, places: Mapping[str, int]) -> Simulation:

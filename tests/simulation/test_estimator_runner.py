@@ -131,3 +131,14 @@ def test_what_cannot_be_run_is_refused():
         am.EstimatorRunner(rover(pose=None), "ekf")
     with pytest.raises(am.AmorsimError, match="dt: expected"):
         am.EstimatorRunner(rover(), "ekf", dt=0.0)
+
+
+def test_a_drive_that_answers_wrongly_is_said():
+    @attrs.frozen(kw_only=True)
+    class Flat(am.drives.Differential):
+        def twist(self, before, after):
+            return np.zeros((len(before), 2))
+
+    given = attrs.asdict(rover().drive, recurse=False)
+    with pytest.raises(am.ComponentError, match=r"drive \(Flat\) of robot 'rover' .* \(1, 3\) from twist\(\), got"):
+        am.EstimatorRunner(rover(drive=Flat(**given)), "ekf")

@@ -301,6 +301,10 @@ def test_runs_are_kept_of_what_was_done_without(tmp_path: Path) -> None:
     ("changes", "words"),
     [
         ({"axes": {"robots.rover.errors.drive.trak.scale": [1.0, 1.1]}}, r"no value of this axis can be set: .*trak"),
+        (
+            {"axes": {"robots.rover.pose.x": [1.0, -5.0]}},
+            r"no value of this axis that would change the scenario can be set: .*-5",
+        ),
         ({"axes": {"robots.scout.pose.x": [1.0]}}, r"no value of this axis can be set: .*scout"),
         ({"axes": {TRACK: []}}, r"expected one value at least, got none"),
         ({"axes": {TRACK: [1.0, 1.0]}}, r"expected different values"),
