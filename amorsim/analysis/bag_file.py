@@ -14,10 +14,12 @@ import numpy.typing as npt
 
 from amorsim.analysis.files import RunFiles, Table
 from amorsim.analysis.message_values import beams_of, nanoseconds_of, quaternion
+from amorsim.analysis.own_columns import own_commands, own_readings
 from amorsim.core.errors import AnalysisError, RunError
 from amorsim.core.whole_files import PREFIX
 from amorsim.scenario.spec import MountedSensor, Robot
 from amorsim.sensors import Encoder, Gyro, Imu
+from amorsim.simulation.alike import channels_of
 
 __all__ = ["write_bag"]
 
@@ -197,9 +199,8 @@ class _Messages:
                 yield when, topic, stamped(header=header, pose=self._with_covariance(pose, spread))
 
     def _commands(self, robot: Robot) -> Iterator[Sent]:
-        table = self._table("commands", robot)
-        channels = [key for key in table if key not in ("replica", "time", "robot")]
-        values = np.column_stack([table[key] for key in channels])
+        table, values = own_commands(self._files, robot, self._replica)
+        channels = channels_of(robot)
         times = table["time"].tolist()
         topic = f"/{self._name(robot.name)}/command"
         # A line has the command of the step that ended then; it was given at the end of the step before.
@@ -207,9 +208,7 @@ class _Messages:
             yield nanoseconds_of(time), topic, self._numbers(row, channels)
 
     def _readings(self, robot: Robot, name: str, unit: MountedSensor) -> Iterator[Sent]:
-        table = self._table(f"sensors/{name}", robot)
-        size = sum(key.startswith("measured_") for key in table)
-        values = np.column_stack([table[f"measured_{i}"] for i in range(size)]) if size else np.empty((0, 0))
+        table, values = own_readings(self._files, robot, name, self._replica)
         topic = f"/{self._name(robot.name)}/{self._name(name)}"
         frame = self._frame(robot, name)
         for time, stamp, row in zip(table["time"].tolist(), table["stamp"].tolist(), values, strict=True):

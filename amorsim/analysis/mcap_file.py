@@ -12,9 +12,11 @@ import numpy as np
 
 from amorsim.analysis.files import RunFiles
 from amorsim.analysis.message_values import VALUES, beams_of, nanoseconds_of, quaternion
+from amorsim.analysis.own_columns import own_commands, own_readings
 from amorsim.core.errors import AnalysisError
 from amorsim.core.whole_files import replacing
-from amorsim.scenario.spec import MountedSensor
+from amorsim.scenario.spec import Robot
+from amorsim.simulation.alike import channels_of
 
 __all__ = ["write_mcap"]
 
@@ -121,10 +123,10 @@ def _messages(files: RunFiles) -> Iterator[Message]:
                     frames = {"parent_frame_id": "world", "child_frame_id": robot.name}
                     moved = {"translation": pose["position"], "rotation": pose["orientation"]}
                     yield time, f"/tf/{robot.name}", "foxglove.FrameTransform", frames | moved
-        yield from _commands(files, robot.name, replica)
+        yield from _commands(files, robot, replica)
         for name in files.sensors:
             if name in robot.sensors:
-                yield from _readings(files, robot.name, name, robot.sensors[name], replica)
+                yield from _readings(files, robot, name, replica)
     events = files.table("events", replica=replica)
     for i, time in enumerate(events["time"].tolist()):
         text = f"{str(events['kind'][i]).replace('_', ' ')} {events['other'][i] or events['path'][i]}".strip()
@@ -132,37 +134,35 @@ def _messages(files: RunFiles) -> Iterator[Message]:
         yield time, "/events", "foxglove.Log", log
 
 
-def _commands(files: RunFiles, robot: str, replica: int) -> Iterator[Message]:
-    table = files.table("commands", robot=robot, replica=replica)
-    channels = [key for key in table if key not in ("replica", "time", "robot")]
-    values = np.column_stack([table[key] for key in channels]).tolist()
+def _commands(files: RunFiles, robot: Robot, replica: int) -> Iterator[Message]:
+    table, values = own_commands(files, robot, replica)
+    channels = list(channels_of(robot))
     # A line has the command of the step that ended then; it was given at the end of the step before.
-    for time, row in zip(table["time"].tolist(), values[1:], strict=False):
-        yield time, f"/{robot}/command", VALUES, {"labels": channels, "values": row}
+    for time, row in zip(table["time"].tolist(), values[1:].tolist(), strict=False):
+        yield time, f"/{robot.name}/command", VALUES, {"labels": channels, "values": row}
 
 
-def _readings(files: RunFiles, robot: str, name: str, unit: MountedSensor, replica: int) -> Iterator[Message]:
-    read = files.table(f"sensors/{name}", robot=robot, replica=replica)
-    size = sum(key.startswith("measured_") for key in read)
-    values = np.column_stack([read[f"measured_{i}"] for i in range(size)]) if size else np.empty((0, 0))
+def _readings(files: RunFiles, robot: Robot, name: str, replica: int) -> Iterator[Message]:
+    read, values = own_readings(files, robot, name, replica)
+    unit, topic = robot.sensors[name], f"/{robot.name}/{name}"
     angles = beams_of(unit.sensor)
     mount = _pose(unit.mount.x, unit.mount.y, unit.mount.heading)
     for time, stamp, row in zip(read["time"].tolist(), read["stamp"].tolist(), values, strict=True):
         measured = {"timestamp": _stamp(nanoseconds_of(stamp))}
-        if angles is None or len(angles) != size:
+        if angles is None or len(angles) != values.shape[1]:
             numbers = [value if math.isfinite(value) else None for value in row.tolist()]
-            yield time, f"/{robot}/{name}", VALUES, {**measured, "labels": [unit.sensor.unit], "values": numbers}
+            yield time, topic, VALUES, {**measured, "labels": [unit.sensor.unit], "values": numbers}
             continue
         scan = {
             **measured,
-            "frame_id": robot,
+            "frame_id": robot.name,
             "pose": mount,
             "start_angle": float(angles[0]),
             "end_angle": float(angles[-1]),
             "ranges": np.where(np.isfinite(row), row, 0.0).tolist(),
             "intensities": [],
         }
-        yield time, f"/{robot}/{name}", "foxglove.LaserScan", scan
+        yield time, topic, "foxglove.LaserScan", scan
 
 
 def _stamp(nanoseconds: int) -> dict[str, int]:

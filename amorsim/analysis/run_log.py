@@ -10,13 +10,12 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.analysis.files import RunFiles
+from amorsim.analysis.own_columns import own_commands, own_readings
 from amorsim.scenario.spec import Robot
 
 __all__ = ["LogEntry", "entries_of_run"]
 
 Array = npt.NDArray[np.float64]
-
-_NO_CHANNELS = ("replica", "time", "robot")
 
 
 class LogEntry(NamedTuple):
@@ -41,9 +40,8 @@ def entries_of_run(folder: Path, robot: Robot, replica: int | None) -> Iterator[
         If the folder is none of a run, a file is damaged, or the run has no such robot or replica.
     """
     files = RunFiles(folder)
-    commands = files.table("commands", robot=robot.name, replica=replica)
+    commands, given = own_commands(files, robot, replica)
     times = commands["time"].tolist()
-    given = np.stack([column for key, column in commands.items() if key not in _NO_CHANNELS], axis=1)
     entries = {
         time: LogEntry(time, {}, command if step else None, {})
         for step, (time, command) in enumerate(zip(times, given, strict=True))
@@ -51,8 +49,7 @@ def entries_of_run(folder: Path, robot: Robot, replica: int | None) -> Iterator[
     for name in files.sensors:
         if name not in robot.sensors:
             continue
-        table = files.table(f"sensors/{name}", robot=robot.name, replica=replica)
-        measured = np.stack([column for key, column in table.items() if key.startswith("measured_")], axis=1)
+        table, measured = own_readings(files, robot, name, replica)
         for time, stamp, values in zip(table["time"].tolist(), table["stamp"].tolist(), measured, strict=True):
             if time in entries:  # of a run that was killed, the last step may not be whole
                 entries[time].readings[name] = values

@@ -6,12 +6,14 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import attrs
 import numpy as np
 import pytest
 
 import amorsim as am
 from amorsim.analysis import RunFiles, ape, export_run, read_bag, read_log, read_mcap, run_trajectories
 from amorsim.analysis.message_values import command_of, reading_of
+from amorsim.simulation.alike import reading_size
 
 HALF_DIGIT = 5.1e-7  # files of a run have six digits
 SINGLE = 1e-6  # [m] ROS's scans have single precision
@@ -183,3 +185,28 @@ def test_messages_of_real_robots_become_readings_and_commands() -> None:
     assert left == pytest.approx(-right)
     assert right > 0.0
     assert command_of("geometry_msgs/TwistStamped", Part(twist=nothing), robot, "/cmd_vel").tolist() == [left, right]
+
+
+@pytest.mark.parametrize("kind", ["run", "rosbag", "mcap"])
+def test_each_robot_of_a_mixed_fleet_has_its_own_readings_and_commands(kind: str, tmp_path: Path) -> None:
+    """Files of a run have the columns of all robots: of two wheels and of three, of few beams and of many."""
+    pytest.importorskip({"run": "numpy", "rosbag": "rosbags", "mcap": "mcap"}[kind])
+    rover = am.load_robot("pioneer2dx", name="rover", pose=am.Pose(x=5.0, y=5.0), controller=am.controllers.Wander())
+    ahead = am.controllers.Pursuit(waypoints=((25.0, 12.0),))
+    car = am.load_robot("car", name="car", pose=am.Pose(x=18.0, y=10.0), controller=ahead)
+    few = attrs.evolve(rover.sensors["laser"], sensor=am.sensors.Laser(beams=5))
+    rover = attrs.evolve(rover, sensors={**rover.sensors, "laser": few})
+    world = am.worlds.forest(seed=3, size=(30.0, 20.0), density=0.02)
+    scenario = am.Scenario(map=world, robots=[car, rover], dt=0.1)
+    am.run(scenario, tmp_path / "run", duration=1.0)
+    files = RunFiles(tmp_path / "run")
+    path = files.folder if kind == "run" else export_run(files.folder, kind, tmp_path / "export")[0]
+    for robot in files.scenario.robots:
+        log = list(read_log(path, robot))
+        runner = am.EstimatorRunner(robot, "dead_reckoning", dt=files.scenario.dt)
+        found = np.array([runner.update(*entry).pose for entry in log])
+        _, estimate = run_trajectories(files, robot=robot.name, estimator="dead_reckoning")
+        assert np.abs(found - estimate.poses).max() < 2.0 * SINGLE
+        beams = {len(entry.readings["laser"]) for entry in log if "laser" in entry.readings}
+        assert beams == {reading_size(robot, "laser")}
+        assert all(entry.command is not None and np.isfinite(entry.command).all() for entry in log[1:])
