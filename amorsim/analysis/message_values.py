@@ -12,6 +12,7 @@ import numpy.typing as npt
 from amorsim.analysis.trajectory import yaw
 from amorsim.contracts import Sensor
 from amorsim.core.errors import AnalysisError
+from amorsim.core.poses import wrap_angle
 from amorsim.core.rows import stack
 from amorsim.scenario.spec import Robot
 from amorsim.sensors import Compass, Encoder, Gps, Gyro, Imu
@@ -109,7 +110,7 @@ def reading_of(kind: str, content: Any, sensor: Sensor, robot: Robot, topic: str
     if isinstance(sensor, Gps) and kind == "geometry_msgs/PointStamped":
         return np.array([content.point.x, content.point.y])
     if kind in ("sensor_msgs/LaserScan", "foxglove.LaserScan") and sensor.bearings() is not None:
-        return _ranges(kind, content, sensor)
+        return _ranges(kind, content, sensor, topic)
     if kind == "sensor_msgs/Range" and sensor.unit == "m":
         return np.array([content.range], dtype=np.float64)
     raise AnalysisError(
@@ -132,15 +133,37 @@ def _counts(content: Any, sensor: Encoder, robot: Robot, topic: str) -> Array:
     return counts
 
 
-def _ranges(kind: str, content: Any, sensor: Sensor) -> Array:
+def _ranges(kind: str, content: Any, sensor: Sensor, topic: str) -> Array:
+    """The ranges of a scan, in the order of the sensor's own beams: by the angles at which they were measured."""
     ranges = np.asarray(content.ranges, dtype=np.float64)
-    if kind == "sensor_msgs/LaserScan":
-        first, last = content.angle_min, content.angle_max
+    if (
+        kind == "sensor_msgs/LaserScan"
+    ):  # some drivers give a full circle's end as the last angle, but none a wrong step
+        angles = content.angle_min + content.angle_increment * np.arange(len(ranges))
     else:
-        first, last = content.start_angle, content.end_angle
+        angles = np.linspace(content.start_angle, content.end_angle, len(ranges))
         ranges = np.where(ranges == 0.0, np.inf, ranges)  # as JSON has no infinity
     own = beams_of(sensor)
-    return ranges[::-1].copy() if own is not None and (last > first) != (own[-1] > own[0]) else ranges
+    if own is None or len(own) != len(ranges):  # numbers that do not fit are refused by who takes the reading
+        return ranges
+    if (angles[-1] > angles[0]) != (own[-1] > own[0]):
+        angles, ranges = angles[::-1], ranges[::-1]
+    first = int(np.argmin(_apart(angles, own[0])))  # the scan of a full circle may begin anywhere
+    angles, ranges = np.roll(angles, -first), np.roll(ranges, -first)
+    if not _apart(angles, own).max() <= 1.001 * abs(own[1] - own[0]):  # off by up to a beam in a full circle
+        seen, wanted = (
+            f"{math.degrees(each.min()):.1f} to {math.degrees(each.max()):.1f} degrees" for each in (angles, own)
+        )
+        raise AnalysisError(
+            f"{topic}: expected beams at the angles of the robot's sensor, {wanted}, got {seen}; give the sensor the "
+            "field of view of the scans"
+        )
+    return ranges
+
+
+def _apart(angles: Array, others: Array | float) -> Array:
+    """How far angles are apart [rad], the short way."""
+    return np.asarray(np.abs(wrap_angle(angles - others)))
 
 
 def command_of(kind: str, content: Any, robot: Robot, topic: str) -> Array:
