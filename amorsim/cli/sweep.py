@@ -75,6 +75,7 @@ def _report(found: Study) -> None:
     import numpy as np
 
     from amorsim.cli.study import significant, table
+    from amorsim.sweeps.table import counted
 
     points, first = np.unique(found["point"], return_index=True)
     shown = points[:20]
@@ -85,8 +86,8 @@ def _report(found: Study) -> None:
         cells = [str(point), *(str(found[axis][row]) for axis in found.axes)]
         for name in found.metrics:
             values = found[name][of]
-            values = values[~np.isnan(values)]
-            cells.append(significant(float(np.mean(values))) if len(values) else "-")
+            there = values[~np.isnan(values)]
+            cells.append(counted(significant(float(np.mean(there))), values) if len(there) else "-")
         rows.append(cells)
     say("means over replicas and seeds:")
     say(table(head, rows))

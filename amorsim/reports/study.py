@@ -11,7 +11,7 @@ import numpy as np
 from amorsim.algorithms.intervals import mean_interval
 from amorsim.core.errors import StudyError
 from amorsim.reports.page import Page
-from amorsim.sweeps.table import Study, read_study
+from amorsim.sweeps.table import Study, counted, read_study
 
 __all__ = ["comparison_page", "study_page"]
 
@@ -30,7 +30,10 @@ def study_page(folder: Path) -> Page:
         f"{about['duration']:g} s each; status: {about['status']}",
     )
     page.heading("Figures")
-    page.paragraph("Means over replicas and seeds, with their 95 % intervals (Student's t).")
+    page.paragraph(
+        "Means over replicas and seeds, with their 95 % intervals (Student's t). Where not all have a value, it says "
+        "how many do."
+    )
     page.table(["point", *study.axes, *(_named(study, name) for name in study.metrics)], _points(study))
     if len(points) > _MOST_POINTS:
         page.paragraph(f"and {len(points) - _MOST_POINTS} more points, in the study's table")
@@ -75,12 +78,12 @@ def _points(study: Study) -> list[list[str]]:
         cells = [str(point), *(str(study[axis][begin]) for axis in study.axes)]
         for metric in study.metrics:
             values = study[metric][begin : begin + count]
-            values = values[~np.isnan(values)]
-            if len(values) > 1:
-                interval = mean_interval(values)
-                cells.append(f"{interval.value:.4g} ± {interval.half_width:.2g}")
+            there = values[~np.isnan(values)]
+            if len(there) > 1:
+                interval = mean_interval(there)
+                cells.append(counted(f"{interval.value:.4g} ± {interval.half_width:.2g}", values))
             else:
-                cells.append(f"{values[0]:.4g}" if len(values) else "-")
+                cells.append(counted(f"{there[0]:.4g}", values) if len(there) else "-")
         rows.append(cells)
     return rows
 

@@ -19,7 +19,7 @@ from amorsim.sweeps.chunk import Outcome
 from amorsim.sweeps.folder import read_study_about
 from amorsim.sweeps.plan import Plan
 
-__all__ = ["Study", "read_study", "write_tables"]
+__all__ = ["Study", "counted", "read_study", "write_tables"]
 
 PARQUET, CSV = "table.parquet", "table.csv"
 _ROWS = 50_000  # of a part that is written at once
@@ -115,6 +115,12 @@ def read_study(folder: str | os.PathLike[str]) -> Study:
     if set(columns) != set(kinds):
         raise StudyError(f"{path}: is damaged: expected the columns {', '.join(kinds)}, got {', '.join(columns)}")
     return Study(folder, about, {name: _as_array(columns[name], kind) for name, kind in kinds.items()})
+
+
+def counted(mean: str, values: npt.NDArray[np.float64]) -> str:
+    """A mean as text, with how many of the values `(n,)` it is of, where some are nan: ``9.433 (7 of 20)``."""
+    count = int(np.count_nonzero(~np.isnan(values)))
+    return mean if count == len(values) else f"{mean} ({count} of {len(values)})"
 
 
 def _as_array(values: Sequence[Any], kind: str) -> npt.NDArray[Any]:

@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import amorsim as am
@@ -36,6 +37,20 @@ def test_points_that_fail_are_reported(amorsim: Command, tmp_path: Path) -> None
     result = amorsim("sweep", path, "--out", "out")
     assert result.status == 1
     assert "point 1 failed: " in result.err
+
+
+def test_means_say_how_many_replicas_they_are_of(amorsim: Command, tmp_path: Path) -> None:
+    given = tables(tmp_path / "s", replicas=5, axes=None)
+    simulation = am.Simulation(am.load(tmp_path / "s" / "small.toml"), replicas=5)
+    simulation.run()
+    x = np.sort(simulation.true_pose[:, 0])
+    given["metrics"] = {
+        "arrival": {"use": "arrival_time", "goal": [float(0.5 * (x[1] + x[2])) + 5.0, 1.0], "within": 5.0}
+    }
+    result = amorsim("sweep", study_file(tmp_path / "study.toml", given), "--out", "out")
+    assert result.status == 0, result.err
+    assert "(3 of 5)" in result.out
+    assert "(3 of 5)" in am.report(tmp_path / "out").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(
