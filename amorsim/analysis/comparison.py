@@ -23,7 +23,7 @@ from amorsim.core.errors import AnalysisError, did_you_mean
 from amorsim.core.whole_files import write_text
 from amorsim.sweeps.table import Study, read_study
 
-__all__ = ["Comparison", "Difference", "Summary", "compare", "paired"]
+__all__ = ["Comparison", "Difference", "Summary", "by_draws", "compare", "paired"]
 
 Array = npt.NDArray[np.float64]
 Key = tuple[Any, ...]
@@ -35,7 +35,7 @@ _MADE_OF = ("seeds", "replicas", "duration", "amorsim", "python", "packages", "s
 
 @attrs.frozen(kw_only=True)
 class Summary:
-    """One system's values of a metric: their mean, and its 95 % interval."""
+    """One system's values of a metric: their mean over seeds and replicas, and its 95 % interval."""
 
     label: str
     metric: str
@@ -54,7 +54,8 @@ class Difference:
     Attributes
     ----------
     pairs, left_out
-        How many pairs there are, and how many were left out because one has no value.
+        How many pairs there are, one for each seed and replica; and how many pairs of values were left out because one
+        of the two is missing.
     mean, low, high
         Of the differences, with the 95 % interval by the bootstrap.
     unpaired_low, unpaired_high
@@ -171,7 +172,9 @@ def compare(
 ) -> Comparison:
     """Compare studies of the same seeds and replicas, or the values of an axis within one study.
 
-    Values of the same seed, replica and other axes belong together: the draws were the same for all.
+    Values of the same seed, replica and other axes belong together: the draws were the same for all. They were the same
+    along other axes, too, so the differences there are not independent: their mean counts as one, for each seed and
+    replica.
 
     Parameters
     ----------
@@ -280,7 +283,8 @@ def paired(
     Parameters
     ----------
     systems
-        By label: for each key, the values of the metrics in order.
+        By label: for each key, the values of the metrics in order. The last two parts of a key are the seed and the
+        replica. Only values of different ones are independent.
     metrics
         By name, in that order: ``unit``, and ``better``, which is ``"lower"``, ``"higher"`` or ``"neither"``.
 
@@ -293,7 +297,9 @@ def paired(
     differences_of: dict[tuple[str, str, str], Array] = {}
     for place, (metric, about) in enumerate(metrics.items()):
         for label, found in systems.items():
-            summaries.append(_summary(label, metric, np.array([values[place] for values in found.values()])))
+            summaries.append(
+                _summary(label, metric, np.array([values[place] for values in found.values()]), list(found))
+            )
         for first, second in itertools.combinations(systems, 2):
             common = [key for key in systems[first] if key in systems[second]]
             if not common:
@@ -303,8 +309,11 @@ def paired(
                 )
             a, b = (np.array([systems[label][key][place] for key in common], float) for label in (first, second))
             there = ~(np.isnan(a) | np.isnan(b))
-            differences_of[metric, first, second] = b[there] - a[there]
-            raw.append(_difference(metric, about, first, second, a[there], b[there], len(common)))
+            keys = [key for key, is_there in zip(common, there.tolist(), strict=True) if is_there]
+            left_out = len(common) - len(keys)
+            a, b = (by_draws(values[there], keys) for values in (a, b))
+            differences_of[metric, first, second] = b - a
+            raw.append(_difference(metric, about, first, second, a, b, left_out))
     corrected = holm([each.p for each in raw])
     differences = []
     for each, p in zip(raw, corrected, strict=True):
@@ -321,15 +330,26 @@ def paired(
     )
 
 
-def _summary(label: str, metric: str, values: Array) -> Summary:
-    there = values[~np.isnan(values)]
-    low, high = bootstrap_interval(there) if len(there) > 1 else (math.nan, math.nan)
+def by_draws(values: Array, keys: Sequence[Key]) -> Array:
+    """The mean of the values `(n,)` of each seed and replica, the last two parts of their keys."""
+    places: dict[Key, int] = {}
+    place = np.array([places.setdefault(key[-2:], len(places)) for key in keys], dtype=np.int64)
+    if len(places) == len(keys):
+        return values
+    return np.asarray(np.bincount(place, values) / np.bincount(place))
+
+
+def _summary(label: str, metric: str, values: Array, keys: Sequence[Key]) -> Summary:
+    has_value = ~np.isnan(values)
+    there = values[has_value]
+    means = by_draws(there, [key for key, is_there in zip(keys, has_value.tolist(), strict=True) if is_there])
+    low, high = bootstrap_interval(means) if len(means) > 1 else (math.nan, math.nan)
     return Summary(
         label=label,
         metric=metric,
         count=len(there),
         missing=len(values) - len(there),
-        mean=float(np.mean(there)) if len(there) else math.nan,
+        mean=float(np.mean(means)) if len(means) else math.nan,
         median=float(np.median(there)) if len(there) else math.nan,
         low=low,
         high=high,
@@ -337,7 +357,7 @@ def _summary(label: str, metric: str, values: Array) -> Summary:
 
 
 def _difference(
-    metric: str, about: Mapping[str, str], first: str, second: str, a: Array, b: Array, count: int
+    metric: str, about: Mapping[str, str], first: str, second: str, a: Array, b: Array, left_out: int
 ) -> Difference:
     differences = b - a
     few = len(differences) < 2
@@ -353,7 +373,7 @@ def _difference(
         first=first,
         second=second,
         pairs=len(differences),
-        left_out=count - len(differences),
+        left_out=left_out,
         mean=mean,
         low=low,
         high=high,

@@ -9,7 +9,7 @@ import numpy.typing as npt
 from matplotlib.figure import Figure
 
 from amorsim.algorithms.intervals import mean_interval
-from amorsim.analysis.comparison import Comparison
+from amorsim.analysis.comparison import Comparison, by_draws
 from amorsim.analysis.figures import tidy
 from amorsim.sweeps.table import Study
 
@@ -72,10 +72,12 @@ def draw_metric(study: Study, metric: str) -> Figure:
         of_line = None if line is None else study[others[0]] == _in_table(study, others[0], line)
         places, values, halves = [], [], []
         for place, label in enumerate(labels):
-            there: Array = study[metric][groups.rows(label, of_line)]
-            there = there[~np.isnan(there)]
-            if not len(there):
+            rows = groups.rows(label, of_line)
+            rows = rows[~np.isnan(study[metric][rows])]
+            if not len(rows):
                 continue
+            draws = list(zip(study["seed"][rows].tolist(), study["replica"][rows].tolist(), strict=True))
+            there = by_draws(study[metric][rows], draws)  # further axes have the same draws
             interval = mean_interval(there) if len(there) > 1 else None
             places.append(float(label) if is_number else float(place))
             values.append(float(np.mean(there)))

@@ -7,12 +7,13 @@ import json
 import math
 from pathlib import Path
 
+import attrs
 import numpy as np
 import pytest
 
 import amorsim as am
 from amorsim.analysis import compare
-from amorsim.analysis.comparison import paired
+from amorsim.analysis.comparison import Difference, paired
 from tests.sweeps.studies import TRACK, tables
 
 LOWER = {"error": {"unit": "m", "better": "lower"}}
@@ -81,6 +82,31 @@ def test_a_metric_without_pairs_is_no_test_that_p_values_are_corrected_for() -> 
     assert math.isnan(arrival.p_corrected)
     assert not arrival.is_significant
     assert str(arrival).startswith("arrival: nothing may be claimed of a and b: expected two pairs at least")
+
+
+def test_an_axis_that_changes_nothing_makes_nothing_surer() -> None:
+    """Along other axes the draws are the same: what differs there alone is not independent."""
+    small = systems(count=10, shift=0.05)
+    along = {
+        label: {(axis, *key): values for axis in (0.5, 1.0) for key, values in found.items()}
+        for label, found in small.items()
+    }
+    found, wanted = paired(along, LOWER), paired(small, LOWER)
+    for each in attrs.fields(Difference):
+        assert getattr(found.differences[0], each.name) == pytest.approx(getattr(wanted.differences[0], each.name))
+    assert found.differences[0].pairs == 10
+    for one, other in zip(found.summaries, wanted.summaries, strict=True):
+        assert (one.mean, one.low, one.high) == pytest.approx((other.mean, other.low, other.high))
+        assert one.count == 2 * other.count
+
+
+def test_what_some_points_of_an_axis_lack_is_left_out_there_alone() -> None:
+    two = {"a": {(x, 1, i): [float(i)] for x in (1, 2) for i in range(4)}}
+    two["b"] = {key: [value + key[0]] for key, (value,) in two["a"].items()}
+    two["b"][2, 1, 3] = [math.nan]
+    found = paired(two, LOWER)
+    assert found.differences_of["error", "a", "b"].tolist() == [1.5, 1.5, 1.5, 1.0]
+    assert (found.differences[0].pairs, found.differences[0].left_out) == (4, 1)
 
 
 def test_one_pair_has_no_effect_size() -> None:

@@ -25,6 +25,8 @@ def study(labels: list[Any], replicas: int, second: tuple[str, ...] = ()) -> Stu
     columns = {
         "point": np.arange(len(cells)) // replicas,
         "first": first,
+        "seed": np.ones(len(cells), dtype=np.int64),
+        "replica": np.arange(len(cells)) % replicas,
         "off": np.random.default_rng(1).random(len(cells)),
     }
     if second:
@@ -45,6 +47,16 @@ def test_points_are_means_with_their_intervals(second: tuple[str, ...]) -> None:
             (low, high) = bars[number].get_segments()[place]
             assert low == pytest.approx((label, interval.low))
             assert high == pytest.approx((label, interval.high))
+
+
+def test_values_along_an_axis_that_is_not_drawn_count_once_for_each_replica() -> None:
+    found = study([1.0, 2.0], 5, tuple("abcdefg"))
+    (axis,) = draw_metric(found, "off").axes
+    (bars,) = [each for each in axis.collections if isinstance(each, LineCollection)]
+    for place, values in enumerate(found["off"].reshape(2, 7, 5)):
+        interval = mean_interval(values.mean(axis=0))
+        (low, high) = bars.get_segments()[place]
+        assert (low[1], high[1]) == pytest.approx((interval.low, interval.high))
 
 
 def test_very_many_numbers_have_a_band() -> None:
