@@ -75,19 +75,20 @@ def export_run(
 
 
 def _trajectories(files: RunFiles, folder: Path, kind: str) -> list[Path]:
-    made = []
+    made: dict[Path, None] = {}
     for replica, robot in files.rows:
         stem = f"{robot}-{replica}" if len(files.replicas) > 1 else robot
-        own = next(each for each in files.scenario.robots if each.name == robot).estimators
-        for estimator in own:
-            true, estimated = run_trajectories(files, robot=robot, replica=replica, estimator=estimator)
-            parts = {f"{stem}-true": true, f"{stem}-{estimator}": estimated}
-            for name, trajectory in parts.items():
-                path = folder / f"{name}.{kind}"
-                if path not in made:
-                    _WRITERS[kind](trajectory, path)
-                    made.append(path)
-    return made
+        parts = [("true", run_trajectories(files, robot=robot, replica=replica)[0])]
+        for estimator in next(each for each in files.scenario.robots if each.name == robot).estimators:
+            estimated = run_trajectories(files, robot=robot, replica=replica, estimator=estimator)[1]
+            parts.append((estimator, estimated))
+        for name, trajectory in parts:
+            path = folder / f"{stem}-{name}.{kind}"
+            if path in made:
+                raise AnalysisError(f"{path}: two trajectories would have this name; rename a robot or an estimator")
+            _WRITERS[kind](trajectory, path)
+            made[path] = None
+    return list(made)
 
 
 def _tables(files: RunFiles, folder: Path) -> list[Path]:

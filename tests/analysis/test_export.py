@@ -34,6 +34,20 @@ def test_trajectories_are_read_back(run: Path, tmp_path: Path) -> None:
     assert np.abs(read_kitti(tmp_path / "kitti" / "rover-1-true.kitti").poses - true.poses).max() < 1e-12
 
 
+def test_a_robot_without_an_estimator_has_its_true_trajectory(tmp_path: Path) -> None:
+    am.run(am.load("demo", ["robots.rover.estimators.dead_reckoning=false"]), tmp_path / "run", duration=1.0)
+    (path,) = export_run(tmp_path / "run", "csv", tmp_path)
+    assert path.name == "rover-true.csv"
+    assert read_csv(path).poses.tolist() == run_trajectories(tmp_path / "run")[0].poses.tolist()
+
+
+def test_an_estimate_does_not_take_the_name_of_the_truth(tmp_path: Path) -> None:
+    change = ["robots.rover.estimators.true={ use = 'dead_reckoning' }"]
+    am.run(am.load("demo", change), tmp_path / "run", duration=1.0)
+    with pytest.raises(am.AnalysisError, match=r"rover-true\.csv: two trajectories would have this name"):
+        export_run(tmp_path / "run", "csv", tmp_path)
+
+
 def test_tables_are_read_back(run: Path, tmp_path: Path) -> None:
     pandas = pytest.importorskip("pandas")
     pytest.importorskip("pyarrow")
