@@ -114,8 +114,9 @@ def _watch(
 ) -> tuple[Array, Array, npt.NDArray[np.int64]]:
     """What a sensor measured, turned at `rate` of the time [s] (rad/s).
 
-    Returns the readings `(m, R, k)`; the true poses of all ticks `(T + 1, R, 3)`; and the ticks `(m,)` that the
-    readings are of. Each reading is taken once, when it arrives; the one of the start is left out.
+    Returns the readings that the runs held after each step `(T, R, k)`; the true poses of all ticks `(T + 1, R, 3)`;
+    and the ticks `(T, R)` that the readings are of, or -1 where no new one came in. So each reading counts once, when
+    it arrives; runs may get theirs at different times. The one of the start is left out.
     """
     group = simulation._fleet.groups[0]
     poses, readings, stamps = [simulation.true_pose], [], []
@@ -124,9 +125,8 @@ def _watch(
         simulation.step()
         poses.append(simulation.true_pose)
         reading = group.readings[sensor]
-        if reading.fresh[0, 0] and reading.stamp[0, 0] > 0:
-            readings.append(reading.measured)
-            stamps.append(int(reading.stamp[0, 0]))
+        readings.append(reading.measured)
+        stamps.append(np.where(reading.fresh & (reading.stamp > 0), reading.stamp, -1)[:, 0])
     return np.array(readings), np.array(poses), np.array(stamps, dtype=np.int64)
 
 
@@ -134,6 +134,12 @@ def _wait(simulation: Simulation, sensor: str) -> float:
     """Time [s] until a reading has surely come in, and the step in which it does."""
     unit = simulation.scenario.robots[0].sensors[sensor]
     return unit.latency + max(simulation.dt, 1.0 / unit.rate if unit.rate else 0.0)
+
+
+def _check_readings(sensor: str, values: Array | npt.NDArray[np.int64], least: int) -> None:
+    """Raise an `AmorsimError` unless so many of the values that a run has readings of are different."""
+    if len(np.unique(values)) < least:
+        raise AmorsimError(f"sensor {sensor!r}: too few readings came in; its rate is too low, or its latency too long")
 
 
 def _check_runs(runs: int) -> None:
@@ -167,12 +173,16 @@ def calibrate_gyro(
 
     steps = simulation.steps_of(_STILL * len(rates) + _wait(simulation, name))
     readings, poses, stamps = _watch(simulation, name, steps, rate)
-    turned = wrap_angle(poses[stamps, 0, 2] - poses[stamps - 1, 0, 2]) / simulation.dt
-    if len(np.unique(np.round(turned, 9))) < 2:
-        raise AmorsimError(f"sensor {name!r}: too few readings came in; its rate is too low, or its latency too long")
-    design = np.stack((np.ones(len(turned)), turned), axis=1)
-    found = linear_fit(design, readings[:, :, 0])
-    return name, {"bias": mean_interval(found[0]), "scale": mean_interval(found[1])}
+    found = []
+    for run in range(runs):
+        there = np.flatnonzero(stamps[:, run] >= 0)
+        ticks = stamps[there, run]
+        turned = wrap_angle(poses[ticks, run, 2] - poses[ticks - 1, run, 2]) / simulation.dt
+        _check_readings(name, np.round(turned, 9), 2)
+        design = np.stack((np.ones(len(turned)), turned), axis=1)
+        found.append(linear_fit(design, readings[there, run, 0]))
+    bias, scale = np.transpose(found)
+    return name, {"bias": mean_interval(bias), "scale": mean_interval(scale)}
 
 
 def calibrate_compass(
@@ -203,13 +213,14 @@ def calibrate_compass(
 
     readings, poses, stamps = _watch(simulation, name, _HEADINGS * (stand + 1), rate)
     mount = prepared.robots[0].sensors[name].mount.heading
-    h = poses[stamps, 0, 2] + mount
-    if len(np.unique(np.round(wrap_angle(h), 6))) < 8:
-        raise AmorsimError(f"sensor {name!r}: too few readings came in; its rate is too low, or its latency too long")
-    deviation = wrap_angle(readings[:, :, 0] - h[:, None])
-    design = np.stack((np.ones(len(h)), np.sin(h), np.cos(h), np.sin(2.0 * h), np.cos(2.0 * h)), axis=1)
-    found = linear_fit(design, deviation)
-    return name, dict(zip("abcde", (mean_interval(row) for row in found), strict=True))
+    found = []
+    for run in range(runs):
+        there = np.flatnonzero(stamps[:, run] >= 0)
+        h = poses[stamps[there, run], run, 2] + mount
+        _check_readings(name, np.round(wrap_angle(h), 6), 8)
+        design = np.stack((np.ones(len(h)), np.sin(h), np.cos(h), np.sin(2.0 * h), np.cos(2.0 * h)), axis=1)
+        found.append(linear_fit(design, wrap_angle(readings[there, run, 0] - h)))
+    return name, dict(zip("abcde", (mean_interval(row) for row in np.transpose(found)), strict=True))
 
 
 @attrs.frozen(kw_only=True)
@@ -280,12 +291,10 @@ def calibrate_range(
         replicas = range(number * runs, (number + 1) * runs)
         simulation = Simulation(before_wall(bench, far), replicas=replicas)
         steps = math.ceil(_READINGS * _wait(simulation, name) / simulation.dt + 1.0)
-        readings, _, _ = _watch(simulation, name, steps, lambda _: 0.0)
-        if len(readings) < 2:
-            raise AmorsimError(
-                f"sensor {name!r}: too few readings came in; its rate is too low, or its latency too long"
-            )
-        found.append(_spread(distance(far), readings[:, :, element], name))
+        readings, _, stamps = _watch(simulation, name, steps, lambda _: 0.0)
+        for run in range(runs):
+            _check_readings(name, stamps[stamps[:, run] >= 0, run], 2)
+        found.append(_spread(distance(far), readings[:, :, element], stamps >= 0, name))
     return name, element, found
 
 
@@ -293,9 +302,9 @@ def _is_range_sensor(device: Any) -> bool:
     return getattr(device, "range_max", None) is not None and device.bearings() is not None
 
 
-def _spread(true: float, readings: Array, name: str) -> RangeCalibration:
-    """Bias and standard deviation of readings `(m, R)` of one distance."""
-    returned = np.isfinite(readings)
+def _spread(true: float, readings: Array, is_new: npt.NDArray[np.bool_], name: str) -> RangeCalibration:
+    """Bias and standard deviation of readings `(T, R)` of one distance, of those that are new."""
+    returned = is_new & np.isfinite(readings)
     counts = returned.sum(axis=0)
     if not math.isfinite(true) or (counts < 2).any():
         raise AmorsimError(f"sensor {name!r} hardly ever sees a wall squarely ahead of it; it cannot be calibrated")
@@ -312,5 +321,5 @@ def _spread(true: float, readings: Array, name: str) -> RangeCalibration:
         distance=true,
         bias=mean_interval(shortest - true + means),
         sigma=Interval(sigma, half),
-        returned=float(returned.mean()),
+        returned=float(returned.sum() / is_new.sum()),
     )

@@ -12,6 +12,7 @@ import pytest
 import amorsim as am
 from amorsim.noise.bias import Bias
 from amorsim.noise.gaussian import Gaussian
+from amorsim.noise.latency_jitter import LatencyJitter
 from amorsim.noise.quantize import Quantize
 from amorsim.noise.scale import Scale
 from amorsim.scenario.spec import Deviation, MountedSensor, Scenario
@@ -129,6 +130,19 @@ def test_another_element_and_another_sensor_can_be_named() -> None:
 def test_distances_have_draws_of_their_own() -> None:
     laser = _scenario("laser", Laser(beams=3, range_max=8.0), Gaussian(std=0.01))
     assert len({at.bias.value for at in calibrate_range(laser, runs=3)[2]}) == 3
+
+
+@pytest.mark.parametrize("spread", [0.05, 0.3])
+def test_readings_that_arrive_at_other_times_in_each_run_are_of_the_headings_they_are_of(spread: float) -> None:
+    jitter = LatencyJitter(spread=spread)
+    _, turning = calibrate_gyro(_scenario("gyro", Gyro(), Scale(factor=0.98), jitter, latency=0.3), runs=3)
+    assert turning["scale"].value == pytest.approx(0.98, abs=1e-9)
+    assert turning["bias"].value == pytest.approx(0.0, abs=1e-9)
+    _, deviation = calibrate_compass(_scenario("compass", Compass(), jitter, latency=0.3), runs=3)
+    assert max(abs(interval.value) + interval.half_width for interval in deviation.values()) < 1e-9
+    _, _, ranges = calibrate_range(_scenario("laser", Laser(beams=19, range_max=8.0), Bias(value=0.02), jitter), runs=3)
+    assert [found.bias.value for found in ranges] == pytest.approx([0.02] * 3, abs=1e-9)
+    assert [found.returned for found in ranges] == [1.0] * 3
 
 
 @pytest.mark.parametrize("name", ["kidnapped", "find-yourself"])
