@@ -31,13 +31,14 @@ from amorsim.core.errors import ComponentError
 from amorsim.estimators.ages import refuse_late
 from amorsim.estimators.kalman_sources import SOURCES, check_sources, noise_in_words
 from amorsim.estimators.starts import covariance_at_start, refuse_lost
-from amorsim.estimators.wheels import angles_of, check_encoder, reckon
+from amorsim.estimators.wheels import angles_of, check_encoder, is_taken, reckon
 from amorsim.kernels.filters import compatible, ekf, landmarks, points
 from amorsim.kernels.filters.updates import MATCH, NIS, RECORD, USED, Gaussians
 
 __all__ = ["KalmanFilter"]
 
 Array = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
 
 _FAR = 1e12  # [m, rad, rad/s]: no robot gets so far; larger numbers are exploding
 _WAYS = {"identity": landmarks.BY_IDENTITY, "nearest": landmarks.NEAREST_FIRST, "joint": landmarks.JOINTLY}
@@ -167,6 +168,8 @@ class KalmanFilter(Estimator):
             "failed": np.zeros(rows, dtype=bool),
         }
         state |= {f"{field}_updates": np.full((rows, size, RECORD), np.nan) for field, size in slots.items()}
+        if self.prediction == "encoder":
+            state["taken"] = np.zeros((rows, 1), dtype=bool)
         if self.prediction == "command":
             state["joints"] = np.zeros((rows, joints))
             state["rates"] = np.zeros((rows, joints))
@@ -185,6 +188,7 @@ class KalmanFilter(Estimator):
         """The estimate after predicting this step's motion and correcting by all readings that arrived in it."""
         belief = Gaussians(state["mean"], state["covariance"])
         before, after = self._joints(robot, readings, command, elapsed, state, draws)
+        counted = self._counted(robot, readings, before, after, state)
         none = np.zeros((robot.rows, 3, 3))
         pose = np.ascontiguousarray(state["mean"][:, :3])
         moved = reckon(robot.drive, pose, none, before, after, self.wheel_variance)
@@ -194,7 +198,8 @@ class KalmanFilter(Estimator):
         kept = state["mean"].copy(), state["covariance"].copy()
         growth = np.ascontiguousarray(self.gyro_bias_walk**2 * elapsed)
         ekf.predict(belief, moved.pose, moved.covariance, growth, self.transform(), points.work())
-        self._correct(belief, robot, readings, np.ascontiguousarray(moved.turn), moved.covariance, elapsed, state)
+        turn = np.ascontiguousarray(moved.turn)
+        self._correct(belief, robot, readings, turn, counted, moved.covariance, elapsed, state)
         self._keep_valid(state, *kept)
         return Estimate(state["mean"][:, :3].copy(), state["covariance"][:, :3, :3].copy())
 
@@ -219,6 +224,22 @@ class KalmanFilter(Estimator):
         state.update({f"drive {name}": array for name, array in own.items()})
         return before, after
 
+    def _counted(
+        self, robot: RobotModel, readings: Mapping[str, Measurement], before: Array, after: Array, state: State
+    ) -> tuple[Bools, Bools]:
+        """What may be corrected by `(N, 1)`: places and headings; and the rate of turn.
+
+        Where the encoder's reading is lost, the wheels have moved by what the next one will tell: what is measured
+        then is of another pose than the mean. A rate of turn must be of the step in which the wheels turned.
+        """
+        if "taken" not in state:
+            every = np.ones((robot.rows, 1), dtype=bool)
+            return every, every
+        reading = readings[self.encoder]
+        was_taken, state["taken"] = state["taken"], is_taken(robot, self.encoder, reading, after)
+        goes_on = (before == state["joints"]).all(axis=1, keepdims=True)
+        return state["taken"] | ~reading.fresh, np.asarray(state["taken"] & was_taken & goes_on)
+
     def _keep_valid(self, state: State, mean: Array, covariance: Array) -> None:
         """Put the rows whose numbers are none any more back to what they were before the update."""
         now = state["covariance"]
@@ -232,7 +253,7 @@ class KalmanFilter(Estimator):
             state["mean"][~fine], state["covariance"][~fine] = mean[~fine], covariance[~fine]
         state["failed"] = ~fine
 
-    def failed(self, state: State) -> npt.NDArray[np.bool_]:
+    def failed(self, state: State) -> Bools:
         """Rows whose numbers exploded in the last update: a mean or covariance that is not finite or not positive."""
         return state["failed"]
 
@@ -242,6 +263,7 @@ class KalmanFilter(Estimator):
         robot: RobotModel,
         readings: Mapping[str, Measurement],
         turn: Array,
+        counted: tuple[Bools, Bools],
         noise: Array,
         elapsed: Array,
         state: State,
@@ -249,19 +271,20 @@ class KalmanFilter(Estimator):
         """Correct by each sensor; the gyro first, because its error is correlated with that of the prediction."""
         one, two = _thresholds(self.gate)
         room, transform = points.work(), self.transform()
+        is_there, is_known = counted
         if self.gyro:
-            values, fresh, _, records = self._reading("gyro", robot, readings, state)
+            values, fresh, _, records = self._reading("gyro", robot, readings, is_known, state)
             variance = _squared(self.gyro_std)
             ekf.fuse_turns(belief, values, fresh, turn, noise, elapsed, variance, one, room, records)
         if self.compass:
-            values, fresh, mounts, records = self._reading("compass", robot, readings, state)
+            values, fresh, mounts, records = self._reading("compass", robot, readings, is_there, state)
             ekf.fuse_headings(belief, values, fresh, mounts, _squared(self.compass_std), one, room, records)
         if self.gps:
-            values, fresh, mounts, records = self._reading("gps", robot, readings, state)
+            values, fresh, mounts, records = self._reading("gps", robot, readings, is_there, state)
             variance, correlation = _squared(self.gps_std), np.asarray(self.gps_correlation)
             ekf.fuse_places(belief, values, fresh, mounts, variance, correlation, two, transform, room, records)
         if self.landmarks:
-            values, fresh, mounts, records = self._reading("landmarks", robot, readings, state)
+            values, fresh, mounts, records = self._reading("landmarks", robot, readings, is_there, state)
             places, ids = robot.landmarks, robot.landmark_ids
             assert places is not None
             assert ids is not None
@@ -277,9 +300,9 @@ class KalmanFilter(Estimator):
             )
 
     def _reading(
-        self, field: str, robot: RobotModel, readings: Mapping[str, Measurement], state: State
-    ) -> tuple[Array, npt.NDArray[np.bool_], Array, Array]:
-        """A sensor's values, whether they are new, its mounts `(N, 3)`, and room for what is compared, emptied."""
+        self, field: str, robot: RobotModel, readings: Mapping[str, Measurement], allowed: Bools, state: State
+    ) -> tuple[Array, Bools, Array, Array]:
+        """A sensor's values, whether they are new and `allowed`, mounts `(N, 3)`, and room for what is compared, emptied."""
         name = getattr(self, field)
         reading, mount = readings[name], robot.sensors[name].mount
         refuse_late(self.who, robot, name, reading, self.age_max)
@@ -287,7 +310,7 @@ class KalmanFilter(Estimator):
         mounts = np.concatenate([np.broadcast_to(side, (robot.rows, 1)) for side in sides], axis=1)
         records = state[f"{field}_updates"]
         records[:] = np.nan
-        return np.ascontiguousarray(reading.measured), reading.fresh, mounts, records
+        return np.ascontiguousarray(reading.measured), reading.fresh & allowed, mounts, records
 
     def beliefs(self, state: State) -> Beliefs:
         """Of each sensor, by its field: ``innovation``, its covariance, ``nis``, and ``used``, 1 or 0; nan if none.

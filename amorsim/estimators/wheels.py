@@ -8,13 +8,13 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Drive, Joint, RobotModel
+from amorsim.contracts import Drive, Joint, Measurement, RobotModel
 from amorsim.core.errors import ComponentError, did_you_mean
 from amorsim.core.poses import exponential
 from amorsim.kernels.kinematics import odometry
 from amorsim.kernels.numbers import has_nan
 
-__all__ = ["Reckoned", "Step", "angles_of", "carry", "check_encoder", "reckon", "sensor_of", "step_of"]
+__all__ = ["Reckoned", "Step", "angles_of", "carry", "check_encoder", "is_taken", "reckon", "sensor_of", "step_of"]
 
 Array = npt.NDArray[np.float64]
 
@@ -160,3 +160,9 @@ def angles_of(robot: RobotModel, encoder: str, measured: Array, joints: Array) -
     before, after = np.empty(joints.shape), np.empty(joints.shape)
     odometry.joints_between(joints, angles, _FAR, _LEAP, before, after)
     return before, after
+
+
+def is_taken(robot: RobotModel, encoder: str, reading: Measurement, after: Array) -> npt.NDArray[np.bool_]:
+    """Whether the joints `after`, as `angles_of` gives them, are those of a reading that is new `(N, 1)`."""
+    sensor: Any = robot.sensors[encoder].sensor
+    return np.asarray(reading.fresh & (sensor.angles(reading.measured) == after).all(axis=1, keepdims=True))

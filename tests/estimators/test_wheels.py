@@ -7,7 +7,11 @@ import numpy as np
 import pytest
 
 import amorsim as am
+from amorsim.algorithms.consistency import chi_squared_band
+from tests import building
 from tests.estimators.test_bits import MAKERS, scenario
+
+GPS, COMPASS, GYRO = 0.2, 0.05, 0.01
 
 
 def followed(name, lost=(), begins=0, value=np.nan, jumps=()):
@@ -62,6 +66,61 @@ def test_counts_that_jump_further_than_a_wheel_turns_begin_again(name, jumps):
     # What the wheels did in the step of a jump nobody knows: 0.08 m in two steps at most.
     assert np.hypot(*(found - wanted)[:2]) < (0.3 if name == "monte_carlo" else 0.1)
     assert abs(found[2] - wanted[2]) < 0.1
+
+
+def turning_robot(filter_, lost=0.0, **mounted):
+    """A robot that turns as it drives; its encoder loses readings, and its filter knows the noise of all sensors."""
+
+    def sensor(kind, std):
+        return am.MountedSensor(sensor=kind(), noise=building.chain(am.noise.Gaussian(std=std)))
+
+    known = {"gps": "gps", "gps_std": GPS, "compass": "compass", "compass_std": COMPASS}
+    estimator = filter_(wheel_variance=1e-5, gyro="gyro", gyro_std=GYRO, gyro_bias_std=0.5, **known)
+    chain = building.chain(am.noise.Dropout(probability=lost))
+    return building.robot(
+        sensors={
+            "encoder": am.MountedSensor(sensor=building.encoder(), noise=chain, **mounted),
+            "gps": sensor(am.sensors.Gps, GPS),
+            "compass": sensor(am.sensors.Compass, COMPASS),
+            "gyro": sensor(am.sensors.Gyro, GYRO),
+        },
+        estimators={"it": estimator},
+        controller=lambda readings, estimate, clock: am.Twist(0.4, 0.6),
+        ground=building.chain(am.noise.Diffusion(variance_per_length=1e-5)),
+    )
+
+
+def encoder_reads(sim):
+    """Whether the encoder's reading of this step is there `(N,)`."""
+    return np.isfinite(sim.frames()[0].readings["encoder"][1].measured).all(axis=1)
+
+
+@pytest.mark.parametrize("filter_", [am.estimators.Ekf, am.estimators.Ukf])
+def test_a_filter_is_as_sure_as_it_says_though_readings_of_the_encoder_are_lost(filter_):
+    sim = am.Simulation(building.scenario(turning_robot(filter_, lost=0.3)), replicas=200)
+    # What the wheels do before their first reading nobody knows; while one is lost, the estimate stands.
+    chosen = encoder_reads(sim)
+    sim.run(20.0)
+    chosen &= encoder_reads(sim)
+    frame = sim.frames()[0]
+    error = (frame.true_pose - frame.estimates["it"].pose)[chosen]
+    error[:, 2] = am.wrap_angle(error[:, 2])
+    nees = am.analysis.nees(error, frame.estimates["it"].covariance[chosen])
+    low, high = chi_squared_band(3, int(chosen.sum()), 0.999)
+    assert low <= nees.mean() <= high
+
+
+@pytest.mark.parametrize("filter_", [am.estimators.Ekf, am.estimators.Ukf])
+def test_a_gyro_is_compared_with_wheels_that_are_read_in_the_same_steps(filter_):
+    runner = am.EstimatorRunner(turning_robot(filter_), "it", dt=0.1)
+    counts = 1000.0 * np.arange(40)[:, None] * (1.0, 1.02)
+    for tick in range(40):
+        runner.update(0.1 * tick, {"encoder": counts[tick]})
+        runner.update(0.1 * tick + 0.05, {"gyro": [0.6]})
+    assert runner.beliefs["gyro_bias"] == 0.0
+    for tick in range(40, 60):
+        runner.update(0.1 * tick, {"encoder": counts[39], "gyro": [0.2]})
+    assert runner.beliefs["gyro_bias"] == pytest.approx(0.2, abs=0.01)
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (1, 3), (2,)])
