@@ -69,7 +69,7 @@ class GridMapping(MapArea, Estimator):
     certainty
         A cell's probability stays between 1 - certainty and certainty. For ``"log_odds"``.
     age_max
-        The oldest scan [s] that is used as if it were taken now. An older one is an error.
+        The oldest scan, and reading of the encoder, [s] that is used as if it were taken now. An older one is an error.
     """
 
     laser: str = parameter("laser", refers="sensors", help="name of the sensor of scans")
@@ -148,6 +148,7 @@ class GridMapping(MapArea, Estimator):
         elif self.place:
             self._look_up(robot, readings[self.place], state)
         else:
+            check_fresh("grid_mapping", robot, self.encoder, readings[self.encoder], self.age_max)
             before, after = angles_of(robot, self.encoder, readings[self.encoder].measured, state["joints"])
             moved = reckon(robot.drive, state["pose"], state["covariance"], before, after, self.wheel_variance)
             state["pose"], state["covariance"], state["joints"] = moved.pose, moved.covariance, after

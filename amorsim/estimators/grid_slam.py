@@ -82,7 +82,7 @@ class GridSlam(MapArea, Estimator):
     nodes
         The most scans in a map. Maps that have that many stop growing.
     age_max
-        The oldest scan [s] that is used as if it were taken now. An older one is an error.
+        The oldest scan, and reading of the encoder, [s] that is used as if it were taken now. An older one is an error.
     """
 
     laser: str = parameter("laser", refers="sensors", help="name of the sensor of scans")
@@ -153,6 +153,7 @@ class GridSlam(MapArea, Estimator):
         draws: Draws,
     ) -> Estimate:
         """The best particle's pose after this step's motion and scan."""
+        check_fresh("grid_slam", robot, self.encoder, readings[self.encoder], self.age_max)
         before, after = angles_of(robot, self.encoder, readings[self.encoder].measured, state["joints"])
         moved = reckon(robot.drive, state["moved"], state["spread"], before, after, self.wheel_variance)
         state["moved"], state["spread"], state["joints"] = moved.pose, moved.covariance, after

@@ -214,6 +214,7 @@ class KalmanFilter(Estimator):
     ) -> tuple[Array, Array]:
         """The joints before and after the step, as measured or as the nominal drive would have moved them."""
         if self.prediction == "encoder":
+            refuse_late(self.who, robot, self.encoder, readings[self.encoder], self.age_max)
             return angles_of(robot, self.encoder, readings[self.encoder].measured, state["joints"])
         drive, before = robot.drive, state["joints"]
         if not elapsed.any():  # the start
@@ -302,7 +303,7 @@ class KalmanFilter(Estimator):
     def _reading(
         self, field: str, robot: RobotModel, readings: Mapping[str, Measurement], allowed: Bools, state: State
     ) -> tuple[Array, Bools, Array, Array]:
-        """A sensor's values, whether they are new and `allowed`, mounts `(N, 3)`, and room for what is compared, emptied."""
+        """A sensor's values, which are new and `allowed`, its mounts `(N, 3)`, and room for a record, emptied."""
         name = getattr(self, field)
         reading, mount = readings[name], robot.sensors[name].mount
         refuse_late(self.who, robot, name, reading, self.age_max)

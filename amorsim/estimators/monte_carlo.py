@@ -212,7 +212,8 @@ class MonteCarlo(Estimator):
         draws: Draws,
     ) -> Estimate:
         """The estimate after this step's motion, and after weighing if the robot has moved far enough for a scan."""
-        refuse_late("monte_carlo", robot, self.laser, readings[self.laser], self.age_max)
+        for name in (self.laser, self.encoder):
+            refuse_late("monte_carlo", robot, name, readings[name], self.age_max)
         state["figures"][:, 2] = 0.0
         before, after = angles_of(robot, self.encoder, readings[self.encoder].measured, state["joints"])
         state["joints"] = after

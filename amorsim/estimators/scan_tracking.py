@@ -69,7 +69,7 @@ class ScanTracker(Estimator):
     degenerate
         A scan does not determine the pose if the least eigenvalue of its information is below this part of the largest.
     age_max
-        The oldest scan [s] that is used as if it were taken now. An older one is an error.
+        The oldest scan, and reading of the encoder, [s] that is used as if it were taken now. An older one is an error.
     """
 
     laser: str = parameter("laser", refers="sensors", help="name of the sensor of scans")
@@ -155,6 +155,7 @@ class ScanTracker(Estimator):
         self, who: str, robot: RobotModel, readings: Mapping[str, Measurement], state: State
     ) -> tuple[Bools, tracking.Outlines | None]:
         """Move the poses by the wheels and correct them by new scans; says which rows ask for a new key `(N, 2)`."""
+        check_fresh(who, robot, self.encoder, readings[self.encoder], self.age_max)
         before, after = angles_of(robot, self.encoder, readings[self.encoder].measured, state["joints"])
         moved = reckon(robot.drive, state["pose"], state["spread"], before, after, self.wheel_variance)
         state["pose"], state["spread"], state["joints"] = moved.pose, moved.covariance, after

@@ -123,6 +123,24 @@ def test_a_gyro_is_compared_with_wheels_that_are_read_in_the_same_steps(filter_)
     assert runner.beliefs["gyro_bias"] == pytest.approx(0.2, abs=0.01)
 
 
+@pytest.mark.parametrize("name", sorted(set(MAKERS) - {"dead_reckoning"}))
+def test_a_late_encoder_is_refused_unless_an_age_is_allowed(name):
+    def simulated(**fields):
+        given = scenario(name)
+        robot = given.robots[0]
+        encoder = attrs.evolve(robot.sensors["encoder"], latency=0.2)
+        robot = attrs.evolve(
+            robot,
+            sensors={**robot.sensors, "encoder": encoder},
+            estimators={"it": attrs.evolve(robot.estimators["it"], **fields)},
+        )
+        am.Simulation(attrs.evolve(given, robots=[robot])).run(0.5)
+
+    with pytest.raises(am.ComponentError, match=r"the reading of 'encoder' was 0\.2 s old when it arrived, and the "):
+        simulated()
+    simulated(age_max=0.2)
+
+
 @pytest.mark.parametrize("shape", [(1, 1), (1, 3), (2,)])
 def test_angles_of_other_joints_than_the_drives_are_refused(shape):
     """Of an encoder of somebody's own, before a kernel reads beyond them."""
