@@ -26,7 +26,7 @@ from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import own_first
 from amorsim.core.poses import compose, relative
 from amorsim.estimators.map_area import MapArea, area_of, area_origins, log_odds_evidence, map_beliefs
-from amorsim.estimators.scans import Beams, beams_of, check_fresh, check_laser, mounts_of, scans_of
+from amorsim.estimators.scans import LATE, Beams, beams_of, check_fresh, check_laser, mounts_of, scans_of
 from amorsim.estimators.starts import covariance_at_start, refuse_lost
 from amorsim.estimators.wheels import angles_of, check_encoder, reckon, sensor_of
 from amorsim.kernels.mapping import occupancy
@@ -35,6 +35,7 @@ from amorsim.kernels.mapping.scan_cells import window_for
 __all__ = ["GridMapping"]
 
 Array = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
 
 _POSE = ("x", "y", "heading")
 
@@ -57,7 +58,8 @@ class GridMapping(MapArea, Estimator):
     estimator
         Name of the estimator whose poses it takes, such as a ``scan_matching`` or an ``ekf``. Empty: `place`.
     place
-        Name of the sensor of x, y and heading, a ``gps`` with ``heading``. Empty: the wheels.
+        Name of the sensor of x, y and heading, a ``gps`` with ``heading``. Empty: the wheels. Scans are drawn at places
+        that are of their time, or older by `age_max`; those without one, where it is lost, are not drawn.
     encoder
         Name of the sensor that counts the joints, for the wheels.
     wheel_variance
@@ -142,30 +144,45 @@ class GridMapping(MapArea, Estimator):
         draws: Draws,
     ) -> Estimate:
         """The pose, after this step's scan is in the map."""
+        fresh = check_fresh("grid_mapping", robot, self.laser, readings[self.laser], self.age_max)
         if self.estimator:
             given = readings[ESTIMATES + self.estimator].measured
             state["pose"], state["covariance"] = given[:, :3].copy(), given[:, 3:].reshape(-1, 3, 3).copy()
         elif self.place:
-            self._look_up(robot, readings[self.place], state)
+            fresh = fresh & self._look_up(robot, readings[self.place], fresh, state)
         else:
             check_fresh("grid_mapping", robot, self.encoder, readings[self.encoder], self.age_max)
             before, after = angles_of(robot, self.encoder, readings[self.encoder].measured, state["joints"])
             moved = reckon(robot.drive, state["pose"], state["covariance"], before, after, self.wheel_variance)
             state["pose"], state["covariance"], state["joints"] = moved.pose, moved.covariance, after
-        fresh = check_fresh("grid_mapping", robot, self.laser, readings[self.laser], self.age_max)
         if fresh.any():
             beams = beams_of(robot, self.laser)
             self._add(beams, scans_of(beams, state["pose"], readings[self.laser].measured, fresh), state)
         return Estimate(state["pose"].copy(), state["covariance"].copy())
 
-    def _look_up(self, robot: RobotModel, reading: Measurement, state: State) -> None:
-        """Take the poses that a tracking system gives of its mount, where there are new ones."""
+    def _look_up(self, robot: RobotModel, reading: Measurement, scanned: Bools, state: State) -> Bools:
+        """Take the poses that a tracking system gives of its mount; says which rows have one now `(N, 1)`.
+
+        Raises
+        ------
+        ComponentError
+            If one is too old when it arrives, or where a row has `scanned` `(N, 1)`.
+        """
         check_fresh("grid_mapping", robot, self.place, reading, self.age_max)
+        late = scanned & (reading.age > self.age_max + LATE)
+        if late.any():
+            row = int(np.flatnonzero(late[:, 0])[0])
+            raise ComponentError(
+                f"{robot.who(row)}, estimator grid_mapping: a scan came in, and the place that {self.place!r} gave is "
+                f"{reading.age[row, 0]:g} s old; let it read whenever the laser does, or set age_max to use places up "
+                "to that age as if they were taken now"
+            )
         there = np.ascontiguousarray(reading.measured[:, :3])
         mounts = mounts_of(robot, self.place)
-        is_known = reading.fresh & np.isfinite(there).all(axis=1, keepdims=True)
+        is_known = np.isfinite(there).all(axis=1, keepdims=True)
         base = compose(there, relative(mounts, np.zeros_like(mounts)))
-        state["pose"] = np.where(is_known, base, state["pose"])
+        state["pose"] = np.where(reading.fresh & is_known, base, state["pose"])
+        return np.asarray(is_known)
 
     def _add(self, beams: Beams, scans: occupancy.Scans, state: State) -> None:
         area = area_of("grid_mapping", self)

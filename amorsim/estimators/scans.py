@@ -14,11 +14,11 @@ from amorsim.estimators.wheels import sensor_of
 from amorsim.kernels.kinematics.poses import directions
 from amorsim.kernels.mapping.occupancy import Scans
 
-__all__ = ["Beams", "beams_of", "check_fresh", "check_laser", "mounts_of", "scans_of"]
+__all__ = ["LATE", "Beams", "beams_of", "check_fresh", "check_laser", "mounts_of", "scans_of"]
 
 Array = npt.NDArray[np.float64]
 
-_LATE = 1e-9  # [s] beyond the age allowed
+LATE = 1e-9  # [s] beyond the age allowed
 
 
 class Beams(NamedTuple):
@@ -65,7 +65,7 @@ def check_fresh(who: str, robot: RobotModel, name: str, reading: Measurement, ag
     ComponentError
         If one is older than `age_max` [s] when it arrives, as estimators keep no history of poses.
     """
-    late = reading.fresh & (reading.age > age_max + _LATE)
+    late = reading.fresh & (reading.age > age_max + LATE)
     if late.any():
         row = int(np.flatnonzero(late[:, 0])[0])
         raise ComponentError(

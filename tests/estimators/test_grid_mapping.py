@@ -129,8 +129,11 @@ def test_it_keeps_the_contract_at_the_poses_of_another_estimator():
     check_component(mapper(estimator="slam"))
 
 
-def driven(*estimators, duration=6.0, replicas=1):
-    """A simulation of a robot that roams about the room, whose wheels are off and whose tracking system is exact."""
+def driven(*estimators, duration=6.0, replicas=1, **tracked):
+    """A simulation of a robot that roams about the room, whose wheels are off and whose tracking system is exact.
+
+    `tracked` are fields of that system.
+    """
     world = am.Map.from_segments(WALLS, resolution=0.01)
     off = {"drive.wheel_radius_left": am.Deviation(scale=1.05), "drive.track": am.Deviation(scale=1.2)}
     robot = building.robot(
@@ -138,7 +141,7 @@ def driven(*estimators, duration=6.0, replicas=1):
         controller=building.Roam(),
         sensors={
             "laser": am.MountedSensor(sensor=Laser(beams=91), mount=am.Mount(x=0.1, y=0.02, heading=0.3)),
-            "gps": am.MountedSensor(sensor=Gps(heading=True), mount=am.Mount(x=-0.1, heading=-0.2)),
+            "gps": am.MountedSensor(sensor=Gps(heading=True), mount=am.Mount(x=-0.1, heading=-0.2), **tracked),
             "encoder": building.encoder(),
         },
         estimators={f"map{i}": one for i, one in enumerate(estimators)},
@@ -149,20 +152,31 @@ def driven(*estimators, duration=6.0, replicas=1):
     return sim
 
 
-def test_the_map_of_a_tracking_system_is_the_room_and_that_of_bad_wheels_is_not():
-    exact, wheels = mapper(place="gps"), mapper()
-    sim = driven(exact, wheels)
-    frame = sim.frames()[0]
-    np.testing.assert_allclose(frame.estimates["map0"].pose, frame.true_pose, atol=1e-12)
-    walls = [am.estimated_map(frame.beliefs[name], occupied=0.6) for name in ("map0", "map1")]
+def strays(belief):
+    """The share of the occupied cells of a map that no wall touches."""
+    found = am.estimated_map(belief, occupied=0.6)
     true = am.Map.from_segments(WALLS, resolution=0.001)
-    strays = []
-    for found in walls:
-        rows, cols = np.nonzero(found.to_array())
-        centres = np.stack((cols + 0.5, rows + 0.5), axis=1) * 0.1 + found.origin[:2]
-        strays.append(np.mean([not _touches(true, centre) for centre in centres]))
-    assert strays[0] < 0.02
-    assert strays[1] > 0.15
+    rows, cols = np.nonzero(found.to_array())
+    centres = np.stack((cols + 0.5, rows + 0.5), axis=1) * 0.1 + found.origin[:2]
+    return np.mean([not _touches(true, centre) for centre in centres])
+
+
+def test_the_map_of_a_tracking_system_is_the_room_and_that_of_bad_wheels_is_not():
+    frame = driven(mapper(place="gps"), mapper()).frames()[0]
+    np.testing.assert_allclose(frame.estimates["map0"].pose, frame.true_pose, atol=1e-12)
+    assert strays(frame.beliefs["map0"]) < 0.02
+    assert strays(frame.beliefs["map1"]) > 0.15
+
+
+def test_scans_between_the_places_of_a_tracking_system_are_refused_unless_an_age_is_allowed():
+    with pytest.raises(am.ComponentError, match=r"the place that 'gps' gave is 0\.\d+ s old; let it read whenever"):
+        driven(mapper(place="gps"), rate=2.0)
+    driven(mapper(place="gps", age_max=0.5), rate=2.0)
+
+
+def test_where_the_place_is_lost_no_scan_is_drawn():
+    lost = am.NoiseElement(name="lost", noise=am.noise.Dropout(probability=0.5), column="heading")
+    assert strays(driven(mapper(place="gps"), noise=(lost,)).frames()[0].beliefs["map0"]) < 0.02
 
 
 @pytest.mark.parametrize("of", ["wheels", "gps"])
