@@ -250,6 +250,8 @@ def _of_several(expected: Parameter, kind: Any, value: Any) -> str:
         return "" if "" in problems else problems[0]
     if typing.get_origin(kind) is tuple:
         items = typing.get_args(kind)
+        if isinstance(value, list):
+            return f"{_wrong(expected, value)}: in Python write a tuple, in round brackets"
         if not isinstance(value, tuple):
             return _wrong(expected, value)
         if len(items) == 2 and items[1] is Ellipsis:

@@ -48,7 +48,7 @@ def make(**values: object) -> Thing:
         ({"flag": 1}, "true or false, got 1"),
         ({"limit": -1.0}, r"a number or nothing \[rad/s\] >= 0, got -1.0"),
         ({"pair": (1.0,)}, "it has 1 elements, not 2"),
-        ({"pair": [1.0, 2.0]}, "a list of 2"),
+        ({"pair": [1.0, 2.0]}, r"a list of 2, .*got \[1\.0, 2\.0\]: in Python write a tuple, in round brackets"),
         ({"many": (1, 2.5)}, r"\(element 1\)"),
         ({"mount": 3}, "a table of x, y, heading, got 3"),
     ],
