@@ -6,6 +6,7 @@ import functools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
+import attrs
 import numpy as np
 import numpy.typing as npt
 
@@ -76,8 +77,10 @@ class Estimators:
         self._updates += 1
         self.states = {}
         for name, estimator in self._estimators.items():
+            known = None if context.covariance is None else context.covariance.copy()
+            own = attrs.evolve(context, pose=context.pose.copy(), covariance=known)  # to keep, and write into
             try:
-                self.states[name] = dict(estimator.start(context))
+                self.states[name] = dict(estimator.start(own))
             except RAISED as error:
                 self._whose.blame_start(f"estimator {name!r}", estimator, error)
         start = context.pose
@@ -97,7 +100,7 @@ class Estimators:
                 now = self._row_clock
                 given = {**readings, **estimate_readings(fed_by, self.estimates, now.tick, now.always)}
             try:
-                estimate = estimator.update(robot, given, command, elapsed, self.states[name], self._draws[name])
+                estimate = estimator.update(robot, given, command.copy(), elapsed, self.states[name], self._draws[name])
             except RAISED as error:
                 self._whose.blame(f"estimator {name!r}", estimator, error)
             if problem := _problem(estimate, robot.rows):

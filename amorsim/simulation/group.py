@@ -173,23 +173,25 @@ class Group:
     def control(self) -> None:
         """Get the controller's command; robots whose controller has ended stand still."""
         clock = self.row_clock.clock
-        self.command = self.driver.command(self.command, self._asked, self.readings, self.estimators.first, clock)
+        first = self.estimators.first
+        # Copies, here and below: what is given may be written into, and these are in use.
+        estimate = Estimate(first.pose.copy(), first.covariance.copy())
+        self.command = self.driver.command(self.command, self._asked, self.readings, estimate, clock)
 
     @of_drive
     def actuate(self) -> None:
         """Move the joints by the command; ground effects act on the rolling joints."""
         self.joints_before = self.joints
-        command = self.command
+        command = self.command[:, : len(self.drive.channels)].copy()
         if self.devices:
-            command = np.ascontiguousarray(command[:, : len(self.drive.channels)])
             for name, columns in self.devices.items():
                 unit = self.sensors[name]
                 try:
-                    unit.sensor.actuate(self.command[:, columns], self.dt, unit.state, unit.draws)
+                    unit.sensor.actuate(self.command[:, columns].copy(), self.dt, unit.state, unit.draws)
                 except RAISED as error:
                     unit.blame(error)
         self._after, self.joint_rates = self.drive.advance(
-            self.joints, self.joint_rates, command, self.dt, self.drive_state, self.drive_draws
+            self.joints.copy(), self.joint_rates.copy(), command, self.dt, self.drive_state, self.drive_draws
         )
         self._ground_after, self._slide = self._after, None
         elapsed = self.row_clock.step
@@ -302,10 +304,10 @@ class Group:
         """Update the sensors' view with the robots' present state."""
         view = self.view
         view.tick = self.row_clock.tick
-        view.body_pose = self.true_pose
-        view.twist = self.true_twist
-        view.joints = self.joints
-        view.joint_rates = self.joint_rates
+        view.body_pose = self.true_pose.copy()
+        view.twist = self.true_twist.copy()
+        view.joints = self.joints.copy()
+        view.joint_rates = self.joint_rates.copy()
 
     def sense(self) -> None:
         """Read all sensors."""

@@ -57,7 +57,8 @@ class ObstacleGroup:
         self.fingerprint = np.zeros((rows, 2), dtype=np.uint64)
         if self.motion is not None:
             no_robot: Any = None  # an obstacle has no robot model
-            context = Context(rows=rows, dt=self.row_clock.dt, pose=self.true_pose, robot=no_robot, names=self.names)
+            pose = self.true_pose.copy()
+            context = Context(rows=rows, dt=self.row_clock.dt, pose=pose, robot=no_robot, names=self.names)
             try:
                 self.state = dict(self.motion.start(context))
             except RAISED as error:
@@ -68,10 +69,10 @@ class ObstacleGroup:
         if self.motion is None:
             return
         self.view.tick = self.row_clock.tick
-        self.view.body_pose = self.true_pose
+        self.view.body_pose = self.true_pose.copy()  # a motion may write into what it gets
         self.view.use(np.zeros_like(self.true_pose))
-        self.view.twist = self.true_twist
-        self.view.free = self.free
+        self.view.twist = self.true_twist.copy()
+        self.view.free = self.free.copy()
         try:
             proposed = self.motion.propose(self.view, self.row_clock.dt, self.state, self.draws)
         except RAISED as error:

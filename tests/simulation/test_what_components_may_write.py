@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import attrs
 import numpy as np
@@ -69,6 +69,128 @@ def test_what_blanks_its_readings_blanks_no_others() -> None:
 
     one, other = {"dr": am.estimators.DeadReckoning()}, {"dr": Blanking()}
     assert digest(controller=Blank, estimators=other) == digest(controller=Plain, estimators=one)
+
+
+@attrs.frozen(kw_only=True)
+class Overwriting(am.Sensor):
+    """A sensor that takes commands, and writes into all that it gets."""
+
+    unit: ClassVar[str] = "m"
+    channels: ClassVar[tuple[str, ...]] = ("lift",)
+
+    def size(self, drive: Any) -> int:
+        """One value."""
+        return 1
+
+    def actuate(self, command: Any, dt: float, state: Any, draws: Any) -> None:
+        """Blank the command."""
+        command[:] = 0.0
+
+    def sense(self, view: Any, aim: Any, state: Any, draws: Any) -> Any:
+        """Nothing."""
+        for array in (view.pose, view.body_pose, view.twist, view.joints, view.joint_rates):
+            array[:] = 1.0
+        return np.zeros((view.rows, 1)), {}
+
+
+@attrs.frozen(kw_only=True)
+class InPlaceDrive(type(building.drive())):  # type: ignore[misc]
+    """A drive that moves the joints in place."""
+
+    def advance(self, joints: Any, rates: Any, command: Any, dt: float, state: Any, draws: Any) -> Any:
+        """The arrays that it is given, changed."""
+        joints[:], rates[:] = super().advance(joints, rates, command, dt, state, draws)
+        command[:] = 0.0
+        return joints, rates
+
+
+@attrs.frozen(kw_only=True)
+class OwnStart(am.Estimator):
+    """An estimator that keeps the pose that it is given at the start, moves it, and blanks the command."""
+
+    def start(self, context: Any) -> Any:
+        """The pose as it is given."""
+        return {"pose": context.pose}
+
+    def update(self, robot: Any, readings: Any, command: Any, elapsed: Any, state: Any, draws: Any) -> am.Estimate:
+        """A millimetre farther."""
+        state["pose"][:, 0] += 0.001
+        command[:] = 0.0
+        return am.Estimate(state["pose"].copy(), np.zeros((robot.rows, 3, 3)))
+
+
+@attrs.frozen(kw_only=True)
+class Turning(am.controllers.Square):
+    """A square that spoils the estimate after its command."""
+
+    def command(self, robot: Any, readings: Any, estimate: Any, clock: Any, state: Any, draws: Any) -> Any:
+        """As before."""
+        found = super().command(robot, readings, estimate, clock, state, draws)
+        estimate.pose[:] = estimate.covariance[:] = 0.5
+        return found
+
+
+@attrs.frozen(kw_only=True)
+class Pushing(am.Motion):
+    """A motion that stands still, and writes into all that it gets."""
+
+    def start(self, context: Any) -> Any:
+        """Nothing."""
+        context.pose[:] = 0.0
+        return {}
+
+    def propose(self, view: Any, dt: float, state: Any, draws: Any) -> Any:
+        """Nothing."""
+        for array in (view.body_pose, view.twist, view.free):
+            array[:] = 0.0
+        return np.zeros((view.rows, 3))
+
+
+def results(replicas: int = 2, **changes: Any) -> list[Any]:
+    """True poses, joints, commands and estimates after each step of a robot that drives a square."""
+    given: dict[str, Any] = {"name": "rover", "controller": am.controllers.Square(side=1.0), **changes}
+    sim = am.Simulation(building.scenario(building.robot(**given)), replicas=replicas)
+    found = []
+    for _ in range(20):
+        sim.step()
+        (frame,) = sim.frames()
+        found += [frame.true_pose, frame.readings["encoder"][0], frame.command[:, :2], frame.estimates["own"].pose]
+    return [array.tolist() for array in found]
+
+
+def test_a_sensor_that_writes_into_its_view_and_its_command_changes_neither() -> None:
+    own = {"own": am.estimators.DeadReckoning()}
+    sensors = {"encoder": building.encoder(), "lift": Overwriting()}
+    assert results(estimators=own, sensors=sensors) == results(estimators=own)
+    sim = am.Simulation(building.scenario(building.robot(sensors=sensors, controller=am.controllers.Manual())))
+    sim.robot("rover").command(0.0, 0.0, 0.5)
+    sim.step()
+    assert sim.frames()[0].command[0].tolist() == [0.0, 0.0, 0.5]
+
+
+def test_a_drive_that_moves_the_joints_in_place_drives_as_one_that_does_not() -> None:
+    own = {"own": am.estimators.DeadReckoning()}
+    fields = attrs.asdict(building.drive(), recurse=False)
+    assert results(estimators=own, drive=InPlaceDrive(**fields)) == results(estimators=own)
+
+
+def test_a_controller_that_writes_into_the_estimate_leaves_the_estimators_own() -> None:
+    own = {"own": am.estimators.DeadReckoning()}
+    assert results(estimators=own, controller=Turning(side=1.0)) == results(estimators=own)
+
+
+def test_estimators_that_write_into_the_start_and_the_command_change_neither() -> None:
+    alone = results(estimators={"own": OwnStart()})
+    assert results(estimators={"own": OwnStart(), "second": OwnStart()}) == alone
+    commands = [step[0] for step in alone[2::4]]
+    assert any(left != 0.0 for left, _ in commands)
+
+
+def test_a_motion_that_writes_into_its_view_moves_nothing() -> None:
+    box = am.Obstacle(name="box", shape=am.Shape.circle(0.2), pose=am.Pose(x=1.0, y=1.0), motion=Pushing())
+    sim = am.Simulation(building.scenario(building.robot(), obstacles=(box,)))
+    sim.run(0.5)
+    assert sim.obstacle("box").true_pose.tolist() == [1.0, 1.0, 0.0]
 
 
 def test_a_recorder_that_writes_into_its_frames_moves_nobody(tmp_path: Path) -> None:
