@@ -6,15 +6,16 @@ import inspect
 import re
 import types
 import typing
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import attrs
 
 from amorsim.contracts import Controller, Drive, Estimator, Joint, Motion, Part, Planner
 from amorsim.core.errors import ComponentError, did_you_mean
-from amorsim.core.parameters import COMPONENTS, FRAMES, REFERS, Parameter, describe
-from amorsim.core.trouble import in_words
+from amorsim.core.parameters import COMPONENTS, FRAMES, REFERS, Parameter, ParameterError, check_value, describe
+from amorsim.core.trouble import RAISED, in_words
 
 __all__ = ["RESERVED", "check_class", "check_name"]
 
@@ -132,16 +133,39 @@ def _check_attrs(kind: str, cls: type) -> Iterator[str]:
         if "amorsim" not in field.metadata:
             yield f"field {field.name!r}: expected it to be made with amorsim.parameter(...)"
             return
+        if field.name.startswith("_"):
+            yield f"field {field.name!r}: expected a name that begins with a letter, as files give it"
     try:
         described = describe(cls)
     except ComponentError as error:
         yield str(error)
         return
-    except Exception as error:
+    except RAISED as error:
         yield f"the types of its fields cannot be read: {type(error).__name__}: {error}"
         return
-    for parameter in described.values():
-        yield from _check_field(parameter)
+    problems = [problem for parameter in described.values() for problem in _check_field(parameter)]
+    # The words for a key and a default are made of what a field says of itself.
+    yield from problems or [*_check_keys(described), *_check_defaults(cls, described)]
+
+
+def _check_keys(described: Mapping[str, Parameter]) -> Iterator[str]:
+    keys = {name: f"{name}_deg" if parameter.is_angle else name for name, parameter in described.items()}
+    for key, times in Counter(keys.values()).items():
+        if times > 1:
+            names = " and ".join(repr(name) for name in keys if keys[name] == key)
+            yield f"fields {names}: both have the key {key!r} in files, as angles are in degrees there; rename one"
+
+
+def _check_defaults(cls: type, described: Mapping[str, Parameter]) -> Iterator[str]:
+    for field in attrs.fields(cls):
+        if not field.init or getattr(field.default, "takes_self", False):  # it depends on other fields
+            continue
+        parameter = described[field.name]
+        try:
+            if not parameter.is_required:
+                check_value(parameter, parameter.default)
+        except ParameterError as error:
+            yield f"field {field.name!r}: its default: {error.problem}"
 
 
 def _check_parts(contract: type, cls: type) -> Iterator[str]:
@@ -167,6 +191,15 @@ def _check_field(parameter: Parameter) -> Iterator[str]:
             f"field {parameter.name!r}: expected float, int, bool, str, | None of them, an attrs class with "
             f"such fields, or a tuple of those, found {parameter.type}"
         )
+    for fact in ("unit", "help"):
+        if not isinstance(getattr(parameter, fact), str):
+            yield f"field {parameter.name!r}: {fact}: expected a text, found {in_words(getattr(parameter, fact))}"
+    for fact in ("gt", "ge", "lt", "le"):
+        bound = getattr(parameter, fact)
+        if bound is not None and (not isinstance(bound, (int, float)) or isinstance(bound, bool)):
+            yield f"field {parameter.name!r}: {fact}: expected a number, found {in_words(bound)}"
+    if not isinstance(parameter.choices, tuple) or not all(isinstance(one, str) for one in parameter.choices):
+        yield f"field {parameter.name!r}: choices: expected a tuple of texts, found {in_words(parameter.choices)}"
     for fact, given, known in (("frame", parameter.frame, FRAMES), ("refers", parameter.refers, REFERS)):
         if given and given not in known:
             words = " or ".join(map(repr, known))

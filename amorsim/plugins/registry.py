@@ -25,6 +25,7 @@ from amorsim.contracts import (
     WorldGenerator,
 )
 from amorsim.core.errors import PluginError, did_you_mean
+from amorsim.core.trouble import RAISED
 from amorsim.plugins.checks import check_class, check_name
 
 __all__ = ["KINDS", "Entry", "Plugin", "Registry"]
@@ -294,7 +295,7 @@ def _import(entry: Entry) -> Any:
     module_name, _, class_name = str(entry.target).partition(":")
     try:
         module = importlib.import_module(module_name)
-    except Exception as error:
+    except RAISED as error:
         raise PluginError(f"{entry}: {module_name!r} cannot be imported: {type(error).__name__}: {error}.") from error
     try:
         return getattr(module, class_name)

@@ -164,6 +164,53 @@ def test_a_field_is_made_with_parameter_and_has_a_type_that_files_know():
     assert "field 'scales': expected float, int" in only(check_class("sensor", Sensor, Listed))
 
 
+@pytest.mark.parametrize(
+    ("kind", "field", "words"),
+    [
+        (float, parameter(2.0, le=1), "field 'share': its default: expected a number <= 1, got 2.0"),
+        (float, parameter("a"), "field 'share': its default: expected a number, got 'a'"),
+        (float, parameter(None), "field 'share': its default: expected a number, got None"),
+        (str, parameter("far", choices=("a", "b")), "field 'share': its default: expected a text one of 'a', 'b', got"),
+        (tuple[float, ...], parameter([1.0]), "field 'share': its default: expected a list, each a number, got"),
+        (float, parameter(1.0, unit=3), "field 'share': unit: expected a text, found 3"),
+        (float, parameter(1.0, help=3), "field 'share': help: expected a text, found 3"),
+        (float, parameter(1.0, ge="0"), "field 'share': ge: expected a number, found '0'"),
+        (float, parameter(1.0, le=True), "field 'share': le: expected a number, found True"),
+        (str, parameter("a", choices="ab"), "field 'share': choices: expected a tuple of texts, found 'ab'"),
+        (int, parameter(1, choices=(1, 2)), "field 'share': choices: expected a tuple of texts, found (1, 2)"),
+    ],
+)
+def test_what_a_field_says_of_itself_is_checked(kind, field, words):
+    given = {"unit": "m", "share": field, "__annotations__": {"unit": ClassVar[str], "share": kind}}
+    cls = frozen(type("Odd", (GoodMethods, Sensor), given))
+    assert words in only(check_class("sensor", Sensor, cls))
+
+
+def test_fields_have_a_key_of_their_own_in_files():
+    @frozen
+    class Twice(GoodMethods, Sensor):
+        unit: ClassVar[str] = "m"
+        fov: float = parameter(1.0, unit="rad")
+        fov_deg: float = parameter(57.0)
+
+    @frozen
+    class Private(GoodMethods, Sensor):
+        unit: ClassVar[str] = "m"
+        _share: float = parameter(1.0)
+
+    @frozen
+    class Whole(GoodMethods, Sensor):
+        unit: ClassVar[str] = "m"
+        fov: float = parameter(1.0, unit="rad")
+        half: float = parameter(attrs.Factory(lambda self: self.fov / 2.0, takes_self=True), unit="rad")
+
+    assert "fields 'fov' and 'fov_deg': both have the key 'fov_deg' in files" in only(
+        check_class("sensor", Sensor, Twice)
+    )
+    assert "field '_share': expected a name that begins with a letter" in only(check_class("sensor", Sensor, Private))
+    assert check_class("sensor", Sensor, Whole) == ()
+
+
 def test_fields_are_keywords_and_leave_the_names_that_stand_beside_them_alone():
     @attrs.frozen
     class Positional(GoodMethods, Sensor):

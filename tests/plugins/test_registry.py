@@ -64,6 +64,14 @@ def test_a_reference_is_imported_when_first_asked_for(registry):
         registry.get("noise", "missing")
 
 
+def test_a_reference_to_a_module_that_exits_is_refused_by_name(registry, tmp_path, monkeypatch):
+    (tmp_path / "module_that_exits.py").write_text("import sys\nsys.exit(3)\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    registry.noise("leaves", "module_that_exits:Leaves")
+    with pytest.raises(PluginError, match=r"noise 'leaves': 'module_that_exits' cannot be imported: SystemExit: 3"):
+        registry.get("noise", "leaves")
+
+
 def test_a_reference_is_checked_against_the_contract_when_it_is_imported(registry):
     registry.noise("wrong", f"{__name__}:WrongSignature")
     with pytest.raises(PluginError, match=r"expected \(values, side, elapsed, state, draws\), found \(values, draws\)"):
