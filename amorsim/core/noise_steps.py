@@ -9,9 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.draws import Draws
+from amorsim.core.trouble import in_words
 from amorsim.kernels.sensing import noise_steps as kernels
 
-__all__ = ["NoiseProgram", "NoiseStep"]
+__all__ = ["NoiseProgram", "NoiseStep", "steps_problem"]
 
 Array = npt.NDArray[np.float64]
 
@@ -63,6 +64,19 @@ class NoiseStep(NamedTuple):
     def replace(cls, probability: Any, value: Any) -> NoiseStep:
         """Replace each value by `value` with a probability."""
         return cls(kernels.REPLACE, probability, value)
+
+
+def steps_problem(steps: Any, rows: int) -> str:
+    """The fault of what an element's `steps` returned for a number of rows; empty if it is a sequence of steps."""
+    # A step is a tuple too, so one that is not in a list would be taken for a list of its parts.
+    if not isinstance(steps, (list, tuple)) or not all(isinstance(step, NoiseStep) for step in steps):
+        return f"steps(): expected a list of NoiseStep, got {in_words(steps)}"
+    for step in steps:
+        for value in step[1:]:
+            shape = np.shape(value)
+            if shape not in ((), (1, 1), (rows, 1)):
+                return f"steps(): expected numbers, or arrays ({rows}, 1) as fields are in a run, got the shape {shape}"
+    return ""
 
 
 class NoiseProgram:

@@ -6,10 +6,11 @@ import numpy as np
 
 from amorsim.contracts import Emission
 from amorsim.core.trouble import RAISED
+from amorsim.simulation.blame import array_problem
 from amorsim.simulation.group import Group
 from amorsim.simulation.world.world import Emitted, World
 
-__all__ = ["collect"]
+__all__ = ["collect", "emission_problem"]
 
 
 def collect(groups: list[Group], world: World) -> None:
@@ -30,9 +31,12 @@ def collect(groups: list[Group], world: World) -> None:
                         f"it has the medium {medium!r}, but emit() gave nothing; expected poses, half angles and "
                         "whether each emitter fires",
                     )
-                poses, half_angle, fired, time = Emission(*emitted)
+                said_here = Emission(*emitted)
             except RAISED as error:
                 unit.blame(error)
+            if problem := emission_problem(said_here, group.rows):
+                raise group.whose.wrong(f"sensor {name!r}", unit.sensor, problem)
+            poses, half_angle, fired, time = said_here
             due, _ = unit.due(group.row_clock)
             fired = fired & due
             replicas, each = len(world.first) - 1, poses.shape[1]
@@ -49,6 +53,20 @@ def collect(groups: list[Group], world: World) -> None:
                 )
             )
     world.emissions = {medium: _joined(parts) for medium, parts in said.items()}
+
+
+def emission_problem(emission: Emission, rows: int) -> str:
+    """The fault of what `emit` returned for a number of rows; empty if there is none."""
+    poses, half_angle, fired, time = emission
+    each = np.shape(half_angle)[-1] if np.ndim(half_angle) == 2 else 1
+    if problem := array_problem(half_angle, "half angles", (rows, each), "emit()"):
+        return problem
+    if problem := array_problem(poses, "poses", (rows, each, 3), "emit()"):
+        return problem
+    if not isinstance(fired, np.ndarray) or fired.shape != (rows, each) or fired.dtype != bool:
+        found = f"{fired.dtype} {fired.shape}" if isinstance(fired, np.ndarray) else f"a {type(fired).__name__}"
+        return f"fired from emit(): expected bool {(rows, each)}, got {found}"
+    return "" if time is None else array_problem(time, "times", (rows, each), "emit()")
 
 
 def _joined(parts: list[Emitted]) -> Emitted:

@@ -155,6 +155,9 @@ def check_component(
     others: Trial[Any]
     if isinstance(component, Sensor):
         others = SensorTrial(who, rig, component, kin)
+        _check_unit(who, "unit", "unit", component.unit)
+        for name, unit in component.columns().items():
+            _check_unit(who, "columns", f"the unit of column {name!r}", unit)
     elif isinstance(component, Noise):
         others = NoiseTrial(who, rig, side or {}, values_of, inf)
     elif isinstance(component, Estimator):
@@ -204,12 +207,16 @@ def _check_fields(who: Who, cls: type, within: str) -> None:
     for name, parameter in describe(cls).items():
         where = f"field {within + name!r}"
         who.require(parameter.help.strip(), "fields", where, "a line of help", "none")
-        words = parameter.unit.replace("^", " ").replace("/", " ").replace("*", " ").split()
-        wrong = [word for word in words if word in _NOT_SI]
-        who.require(not wrong, "fields", where, "an SI unit, angles in rad", repr(parameter.unit))
+        _check_unit(who, "fields", where, parameter.unit)
         for kind in (parameter.type, *getattr(parameter.type, "__args__", ())):
             if isinstance(kind, type) and attrs.has(kind):
                 _check_fields(who, kind, f"{within}{name}.")
+
+
+def _check_unit(who: Who, check: str, where: str, unit: str) -> None:
+    words = unit.replace("^", " ").replace("/", " ").replace("*", " ").split()
+    wrong = [word for word in words if word in _NOT_SI]
+    who.require(not wrong, check, where, "an SI unit, angles in rad", repr(unit))
 
 
 def _check_pickling(who: Who, component: Any) -> None:

@@ -9,9 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Aim, Controller, Emission, Estimate, Estimator, Motion, Noise, Sensor, State
+from amorsim.core.noise_steps import steps_problem
 from amorsim.scenario.columns import columns_problem
 from amorsim.simulation.beliefs import beliefs_problem
 from amorsim.simulation.controlling import report_problem
+from amorsim.simulation.emissions import emission_problem
 from amorsim.simulation.feeding import estimate_readings, feeders
 from amorsim.simulation.world.world import Emitted
 from amorsim.testing.failure import Who, array_in_words
@@ -106,14 +108,13 @@ class SensorTrial(Trial[Sensor]):
         with self.who.calling("emit"):
             found = component.emit(session.view, state)
         require(found is not None, "emit", "emit() with a medium", "an Emission", "nothing")
-        said = Emission(*found)  # type: ignore[misc]
-        count = np.shape(said.half_angle)[-1]
-        outputs = {"emitters": self.array(said.poses, (rows, count, 3), "emit().poses")}
-        outputs["half angles"] = self.array(said.half_angle, (rows, count), "emit().half_angle")
-        fits = np.shape(said.fired) == (rows, count) and np.asarray(said.fired).dtype == bool
-        require(fits, "emit", "emit().fired", f"bool ({rows}, {count})", array_in_words(said.fired))
+        with self.who.calling("emit"):
+            said = Emission(*found)  # type: ignore[misc]
+        if problem := emission_problem(said, rows):
+            self.who.fail("emit", problem.replace(", got ", ", found "))
+        count = said.half_angle.shape[1]
         time = np.zeros((rows, count)) if said.time is None else said.time
-        outputs["times"] = self.array(time, (rows, count), "emit().time")
+        outputs: Outputs = {"emitters": said.poses, "half angles": said.half_angle, "times": time}
         session.view.sensor = ""
         world = session.view._world
         bodies = np.repeat(world.first[:-1, None], count, axis=1)
@@ -181,6 +182,10 @@ class NoiseTrial(Trial[Noise]):
             self.who.require(fits, "shapes", "longest_delay()", f"finite numbers ({rows}, 1)", np.shape(longest))
             beyond = late[~(np.isfinite(late) & (late <= longest))]
             self.who.require(not beyond.size, "delay", "delay()", "at most longest_delay()", beyond[:3])
+        with self.who.calling("steps"):
+            steps = component.steps()
+        if problem := steps_problem(steps, rows):
+            self.who.fail("steps", problem.replace(", got ", ", found "))
         if type(component).corrupt is not Noise.corrupt or type(component).steps is not Noise.steps:
             values = self.values[session.t][session.index]
             side = {name: np.full(values.shape, value) for name, value in self.side.items()}

@@ -762,7 +762,36 @@ class SourcesInPairs(StaysPut):
         return [("wheels", "motion")]  # type: ignore[list-item]
 
 
+@frozen
+class OneStep(Noise):
+    def steps(self) -> Any:
+        return am.NoiseStep.add(0.1)
+
+
+@frozen
+class FlatCalls(Range):
+    medium: ClassVar[str] = "air"
+
+    def emit(self, view: View, state: State) -> Any:
+        return am.Emission(view.pose, np.pi, True)  # type: ignore[arg-type]
+
+
+@frozen
+class ReadsDegrees(Range):
+    unit: ClassVar[str] = "deg"
+
+
+@frozen
+class ColumnInCentimetres(Range):
+    def columns(self) -> Mapping[str, str]:
+        return {"range": "cm"}
+
+
 BROKEN = {
+    OneStep: "steps",
+    FlatCalls: "emit",
+    ReadsDegrees: "unit",
+    ColumnInCentimetres: "columns",
     ListOfChannels: "channels",
     TwinChannels: "channels",
     FollowsNothing: "channels",

@@ -12,12 +12,12 @@ import numpy.typing as npt
 
 from amorsim.contracts import Aim, Context, Draws, Noise, NoiseStep, State
 from amorsim.core.draws import Medians, stream_key
-from amorsim.core.noise_steps import NoiseProgram
+from amorsim.core.noise_steps import NoiseProgram, steps_problem
 from amorsim.core.rows import stack
 from amorsim.core.trouble import RAISED
 from amorsim.core.workers import Workers
 from amorsim.scenario.spec import NoiseElement
-from amorsim.simulation.blame import Whose
+from amorsim.simulation.blame import Whose, array_problem
 
 __all__ = ["Chain", "Streams"]
 
@@ -107,9 +107,11 @@ class Chain:
         if "steps" not in vars(kind):
             return ()
         try:
-            return self.elements[i].steps()
+            steps = self.elements[i].steps()
         except RAISED as error:
             self._blame(i, error)
+        self._require(i, steps_problem(steps, len(self.draws[i].keys)))
+        return steps
 
     def start(self, context: Context) -> list[State]:
         """The elements' states at the start of an episode."""
@@ -137,9 +139,16 @@ class Chain:
         late = np.zeros_like(elapsed)
         for i in self.delays:
             try:
-                late = late + self.elements[i].delay(elapsed, self.states[i], self.draws[i])
+                more, longest = (
+                    self.elements[i].delay(elapsed, self.states[i], self.draws[i]),
+                    self.elements[i].longest_delay(),
+                )
             except RAISED as error:
                 self._blame(i, error)
+            self._require(i, array_problem(more, "delays", elapsed.shape, "delay()"))
+            if not (more <= longest).all():  # nan too
+                self._require(i, "expected delays of at most longest_delay() from delay(), got longer ones or nan")
+            late = late + more
         return late
 
     def median(self, values: Array, side: Mapping[str, Any], elapsed: Array) -> Array:
@@ -158,9 +167,11 @@ class Chain:
         slid = np.zeros_like(motion)
         for i in self.slides:
             try:
-                slid = slid + self.elements[i].slide(motion, elapsed, self.states[i], self.draws[i])
+                more = self.elements[i].slide(motion, elapsed, self.states[i], self.draws[i])
             except RAISED as error:
                 self._blame(i, error)
+            self._require(i, array_problem(more, "slides", motion.shape, "slide()"))
+            slid = slid + more
         return slid
 
     def longest_delay(self) -> Array:
@@ -193,6 +204,11 @@ class Chain:
             return values
         except RAISED as error:
             self._blame(i, error)
+
+    def _require(self, i: int, problem: str) -> None:
+        """Raise if an element answered with something else than its contract says."""
+        if problem:
+            raise self._whose.wrong(self._what(i), self.elements[i], problem)
 
     def _blame(self, i: int, error: BaseException) -> NoReturn:
         self._whose.blame(self._what(i), self.elements[i], error)

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Aim, Context, Draws, Measurement, Sensor, State
 from amorsim.core.rows import stack
-from amorsim.core.trouble import RAISED
+from amorsim.core.trouble import RAISED, in_words
 from amorsim.kernels.sensing import delivery
 from amorsim.scenario.needs import samples_under_way
 from amorsim.scenario.spec import MountedSensor
@@ -143,7 +143,8 @@ class SensorUnit:
                 self.state.clear()
                 self.state.update(before)
                 self.draws.rewind()
-                values, side = self.sensor.sense(view, self.chain.aim(elapsed), self.state, self.draws)
+                aim = self._aimed(elapsed)
+                values, side = self.sensor.sense(view, aim, self.state, self.draws)
                 self.check(true, "sense()")
             else:
                 values, side = self.sensor.sense(view, _AHEAD, self.state, self.draws)
@@ -153,6 +154,17 @@ class SensorUnit:
         if problem := array_problem(values, "values", self.shape, "sense()"):
             raise self.whose.wrong(self._what, self.sensor, problem)
         return Sample(due, true, values, side, elapsed, last, kept)
+
+    def _aimed(self, elapsed: Array) -> Aim:
+        """The aim that the chain makes, of one angle and one time for each value."""
+        aim: Any = self.chain.aim(elapsed)  # an element may return anything
+        if not isinstance(aim, Aim):
+            problem = f"expected an Aim from the aim() of its noise, got {in_words(aim)}"
+            raise self.whose.wrong(self._what, self.sensor, problem)
+        for what, array in (("bearings", aim.bearing), ("times", aim.time)):
+            if array is not None and (problem := array_problem(array, what, self.shape, "the aim() of its noise")):
+                raise self.whose.wrong(self._what, self.sensor, problem)
+        return aim
 
     def corrupted(self, sample: Sample) -> Array:
         """The values of a sample after the chain."""
