@@ -247,18 +247,9 @@ class Group:
     @of_drive
     def parts_at(self, which: Ints, fraction: Array) -> tuple[Array, Array]:
         """Poses of robots if they stopped at fractions `(Q, 1)`, and of their parts in their frames `(Q, p, 3)`."""
-        drive, before, ground, after, poses = (
-            self.drive,
-            self.joints_before,
-            self._ground_after,
-            self._after,
-            self.true_pose,
-        )
-        slide = self._slide
-        if self.rows > 1 or len(which) > 1:  # a lone robot, a frequent case, needs no selection
-            drive = take(drive, which)
-            before, ground, after, poses = before[which], ground[which], after[which], poses[which]
-            slide = None if slide is None else slide[which]
+        drive, poses = take(self.drive, which), self.true_pose[which]
+        before, ground, after = self.joints_before[which], self._ground_after[which], self._after[which]
+        slide = None if self._slide is None else self._slide[which]
         displacement = displaced(drive, before, ground, slide, fraction)
         joints = np.where(fraction < 1.0, drive.between(before, after, fraction), after)
         return compose(poses, displacement), drive.part_poses(drive.follow(joints, displacement))
