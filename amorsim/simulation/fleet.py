@@ -105,7 +105,6 @@ class Fleet:
         self.has_emitters = any(unit.sensor.medium for group in self.groups for unit in group.sensors.values())
         self.touching: frozenset[tuple[int, int]] = frozenset()
         self.contacts: frozenset[tuple[int, int]] = frozenset()
-        self.only = self.groups[0] if len(self.everything) == 1 and self.groups and not self.parts else None
         self.ticks: Ints = np.zeros(len(replicas), dtype=np.int64)
         self.episodes: Ints = np.zeros(len(replicas), dtype=np.int64)
         self.place()
@@ -135,9 +134,6 @@ class Fleet:
 
     def place(self) -> None:
         """Copy the groups' poses to the bodies of the world."""
-        if self.only is not None:  # its rows are the bodies, in their order
-            self.world.poses, self.world.twists = self.only.true_pose, self.only.true_twist
-            return
         poses, twists = self.world.poses.copy(), self.world.twists.copy()
         for group in self.everything:
             poses[group.bodies] = group.true_pose
