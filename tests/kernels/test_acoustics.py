@@ -135,15 +135,6 @@ def test_what_has_no_room_is_counted():
     assert sounds_of(case, room=3)[2] == count
 
 
-def test_equal_sounds_come_by_their_number():
-    """A hundred sounds, of few readings, in an order that is not theirs."""
-    rng = np.random.default_rng(5)
-    readings, numbers = rng.integers(0, 6, 100) * 0.5, rng.permutation(100)
-    expected = sorted(zip(readings.tolist(), numbers.tolist(), strict=True))
-    acoustics._sort(readings, numbers)
-    assert list(zip(readings.tolist(), numbers.tolist(), strict=True)) == expected
-
-
 def test_of_a_ring_of_narrow_cones_some_are_not_looked_along():
     """Of 16 cones of 30 degrees in their turns, 20 degrees apart and more, and none beyond what a listener reads."""
     case = some_case(0, rows=1, each=16, count=16, fan=61)

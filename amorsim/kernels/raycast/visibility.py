@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.kinematics.poses import wrap
+from amorsim.kernels.sorting import sort
 
 __all__ = ["look_at_discs", "marks_near"]
 
@@ -17,41 +18,9 @@ Ints = NDArray[np.int64]
 
 
 @part
-def _comes_after(a: int, b: int, mark: Ints, distance: Floats) -> bool:
-    """Whether entry a is farther off than entry b, or as far and of a later mark."""
-    farther: bool = distance[a] > distance[b]
-    as_far_and_later: bool = distance[a] == distance[b] and mark[a] > mark[b]
-    return farther or as_far_and_later
-
-
-@part
-def _swap(a: int, b: int, mark: Ints, distance: Floats, bearing: Floats) -> None:
-    mark[a], mark[b] = mark[b], mark[a]
-    distance[a], distance[b] = distance[b], distance[a]
-    bearing[a], bearing[b] = bearing[b], bearing[a]
-
-
-@part
-def _sort(mark: Ints, distance: Floats, bearing: Floats) -> None:
-    """Sort entries by distance, equally near ones by mark: a heap's sort, for in a crowd there are hundreds."""
-    count = len(mark)
-    begin = count // 2
-    end = count
-    while end > 1:
-        if begin > 0:
-            begin -= 1  # the heap is being made
-        else:
-            end -= 1
-            _swap(0, end, mark, distance, bearing)
-        top = begin
-        while 2 * top + 1 < end:
-            child = 2 * top + 1
-            if child + 1 < end and _comes_after(child + 1, child, mark, distance):
-                child += 1
-            if not _comes_after(child, top, mark, distance):
-                break
-            _swap(child, top, mark, distance, bearing)
-            top = child
+def _bearing(dx: float, dy: float, heading: float) -> float:
+    """The direction [rad] of what is (dx, dy) away, from a heading; 0 here."""
+    return wrap(math.atan2(dy, dx) - heading) if dx * dx + dy * dy > 0.0 else 0.0
 
 
 @kernel
@@ -102,16 +71,18 @@ def marks_near(
             square = dx * dx + dy * dy
             if not square <= limit:
                 continue
-            angle = wrap(math.atan2(dy, dx) - poses[i, 2]) if square > 0.0 else 0.0
-            if abs(angle) > half_angle[i]:
+            if abs(_bearing(dx, dy, poses[i, 2])) > half_angle[i]:
                 continue
             if found < room:
                 mark[found] = f
                 distance[found] = math.sqrt(square)
-                bearing[found] = angle
             found += 1
         if found <= room:
-            _sort(mark[first[i] : found], distance[first[i] : found], bearing[first[i] : found])
+            sort(distance[first[i] : found], mark[first[i] : found])
+            for q in range(first[i], found):
+                dx = places[r, mark[q], 0] - poses[i, 0]
+                dy = places[r, mark[q], 1] - poses[i, 1]
+                bearing[q] = _bearing(dx, dy, poses[i, 2])
     first[poses.shape[0]] = found
     return found
 

@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.kernels.compile import kernel, part
+from amorsim.kernels.sorting import sort
 
 __all__ = [
     "DIRECT",
@@ -128,39 +129,6 @@ def _is_within(dx: float, dy: float, way: float, cos: float, sin: float, edge: f
 
 
 @part
-def _comes_after(a: int, b: int, readings: Floats, numbers: Ints) -> bool:
-    """Whether sound a comes after sound b: of equal readings, by its number."""
-    later: bool = readings[a] > readings[b]
-    as_late: bool = readings[a] == readings[b] and numbers[a] > numbers[b]
-    return later or as_late
-
-
-@part
-def _sort(readings: Floats, numbers: Ints) -> None:
-    """Put sounds in order, by a heap: in a crowd there are hundreds."""
-    count = len(readings)
-    begin = count // 2
-    end = count
-    while end > 1:
-        if begin > 0:
-            begin -= 1  # the heap is being made
-        else:
-            end -= 1
-            readings[0], readings[end] = readings[end], readings[0]
-            numbers[0], numbers[end] = numbers[end], numbers[0]
-        top = begin
-        while 2 * top + 1 < end:
-            child = 2 * top + 1
-            if child + 1 < end and _comes_after(child + 1, child, readings, numbers):
-                child += 1
-            if not _comes_after(child, top, readings, numbers):
-                break
-            readings[child], readings[top] = readings[top], readings[child]
-            numbers[child], numbers[top] = numbers[top], numbers[child]
-            top = child
-
-
-@part
 def _end_of(listeners: Listeners, surfaces: Surfaces, m: int, f: int) -> tuple[float, float]:
     """Where ray f of a listener's cone ends."""
     look = surfaces.look[m]
@@ -234,7 +202,7 @@ def sounds_in_order(
                         sounds.reading[found], sounds.number[found] = readings[f], number + f + 1
                     found += 1
         if found <= room:
-            _sort(sounds.reading[sounds.first[m] : found], sounds.number[sounds.first[m] : found])
+            sort(sounds.reading[sounds.first[m] : found], sounds.number[sounds.first[m] : found])
     sounds.first[listeners.poses.shape[0]] = found
     return found
 
