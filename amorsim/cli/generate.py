@@ -9,11 +9,8 @@ import typer
 
 from amorsim.cli.console import compile_once
 from amorsim.cli.convert import write_world
-from amorsim.core.errors import AmorsimError
 
 __all__ = ["command"]
-
-LARGEST = 10_000.0  # [m] side of a world, as all generators have it
 
 
 def command(
@@ -47,9 +44,6 @@ def command(
 
     The file is read back, and what its format loses is reported, as by convert.
     """
-    if size is not None and not all(0.0 < side <= LARGEST for side in size):
-        sides = " and ".join(f"{side:g}" for side in size)
-        raise AmorsimError(f"--size: expected a width and a height [m] > 0 and <= {LARGEST:g}, got {sides}")
     settings = [f"size=[{size[0]!r}, {size[1]!r}]", *(changes or ())] if size else list(changes or ())
     if replica is not None:
         settings.append('per="replica"')

@@ -40,9 +40,9 @@ def test_a_file_that_is_there_is_replaced_by_force_alone(amorsim: Command, tmp_p
         (("office", "-o", "a.png", "--set", "door=0.4"), "door is 0.4 m"),
         (
             ("maze", "-o", "a.png", "--size", "0", "3"),
-            "--size: expected a width and a height [m] > 0 and <= 10000, got 0",
+            "size=[0.0, 3.0]: size: expected a list of 2, each a number [m] > 0 and <= 10000, got 0.0",
         ),
-        (("maze", "-o", "a.png", "--size", "nan", "3"), "--size: expected a width and a height"),
+        (("maze", "-o", "a.png", "--size", "nan", "3"), "size=[nan, 3.0]: size: expected a list of 2"),
         (("office", "-o", "a.xyz"), "no format of maps is known"),
     ],
 )
