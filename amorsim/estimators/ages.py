@@ -5,22 +5,35 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from amorsim.contracts import Measurement, RobotModel
 from amorsim.core.errors import ComponentError
 
-__all__ = ["refuse_late"]
+__all__ = ["check_fresh", "is_late"]
 
 _LATE = 1e-9  # [s] beyond the age allowed
 
 
-def refuse_late(who: str, robot: RobotModel, sensor: str, reading: Measurement, age_max: Any) -> None:
-    """Raise a `ComponentError` if a reading that has just arrived is older than `age_max` [s]."""
-    late = reading.fresh & (reading.age > age_max + _LATE)
+def is_late(reading: Measurement, age_max: Any) -> npt.NDArray[np.bool_]:
+    """Whether readings, new or not, are older than `age_max` [s] `(N, 1)`."""
+    return np.asarray(reading.age > age_max + _LATE)
+
+
+def check_fresh(who: str, robot: RobotModel, sensor: str, reading: Measurement, age_max: Any) -> npt.NDArray[np.bool_]:
+    """Whether readings are new `(N, 1)`.
+
+    Raises
+    ------
+    ComponentError
+        If one is older than `age_max` [s] when it arrives.
+    """
+    late = reading.fresh & is_late(reading, age_max)
     if late.any():
         row = int(np.flatnonzero(late[:, 0])[0])
         raise ComponentError(
             f"{robot.who(row)}, estimator {who}: the reading of {sensor!r} was {reading.age[row, 0]:g} s old when it "
-            "arrived, and the filter keeps no history; give the sensor no latency, or set age_max to use readings "
+            "arrived, and the estimator keeps no history; give the sensor no latency, or set age_max to use readings "
             "up to that age as if they were taken now"
         )
+    return reading.fresh

@@ -25,8 +25,9 @@ from amorsim.contracts.estimator import ESTIMATES
 from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import own_first
 from amorsim.core.poses import compose, relative
+from amorsim.estimators.ages import check_fresh, is_late
 from amorsim.estimators.map_area import MapArea, area_of, area_origins, log_odds_evidence, map_beliefs
-from amorsim.estimators.scans import LATE, Beams, beams_of, check_fresh, check_laser, mounts_of, scans_of
+from amorsim.estimators.scans import Beams, beams_of, check_laser, mounts_of, scans_of
 from amorsim.estimators.starts import covariance_at_start, refuse_lost
 from amorsim.estimators.wheels import angles_of, check_encoder, reckon, sensor_of
 from amorsim.kernels.mapping import occupancy
@@ -169,7 +170,7 @@ class GridMapping(MapArea, Estimator):
             If one is too old when it arrives, or where a row has `scanned` `(N, 1)`.
         """
         check_fresh("grid_mapping", robot, self.place, reading, self.age_max)
-        late = scanned & (reading.age > self.age_max + LATE)
+        late = scanned & is_late(reading, self.age_max)
         if late.any():
             row = int(np.flatnonzero(late[:, 0])[0])
             raise ComponentError(

@@ -28,7 +28,7 @@ from amorsim.contracts import (
     parameter,
 )
 from amorsim.core.errors import ComponentError
-from amorsim.estimators.ages import refuse_late
+from amorsim.estimators.ages import check_fresh
 from amorsim.estimators.kalman_sources import SOURCES, check_sources, noise_in_words
 from amorsim.estimators.starts import covariance_at_start, refuse_lost
 from amorsim.estimators.wheels import angles_of, check_encoder, is_taken, reckon
@@ -214,7 +214,7 @@ class KalmanFilter(Estimator):
     ) -> tuple[Array, Array]:
         """The joints before and after the step, as measured or as the nominal drive would have moved them."""
         if self.prediction == "encoder":
-            refuse_late(self.who, robot, self.encoder, readings[self.encoder], self.age_max)
+            check_fresh(self.who, robot, self.encoder, readings[self.encoder], self.age_max)
             return angles_of(robot, self.encoder, readings[self.encoder].measured, state["joints"])
         drive, before = robot.drive, state["joints"]
         if not elapsed.any():  # the start
@@ -306,12 +306,12 @@ class KalmanFilter(Estimator):
         """A sensor's values, which are new and `allowed`, its mounts `(N, 3)`, and room for a record, emptied."""
         name = getattr(self, field)
         reading, mount = readings[name], robot.sensors[name].mount
-        refuse_late(self.who, robot, name, reading, self.age_max)
+        fresh = check_fresh(self.who, robot, name, reading, self.age_max)
         sides: Any = mount.x, mount.y, mount.heading
         mounts = np.concatenate([np.broadcast_to(side, (robot.rows, 1)) for side in sides], axis=1)
         records = state[f"{field}_updates"]
         records[:] = np.nan
-        return np.ascontiguousarray(reading.measured), reading.fresh & allowed, mounts, records
+        return np.ascontiguousarray(reading.measured), fresh & allowed, mounts, records
 
     def beliefs(self, state: State) -> Beliefs:
         """Of each sensor, by its field: ``innovation``, its covariance, ``nis``, and ``used``, 1 or 0; nan if none.

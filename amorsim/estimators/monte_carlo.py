@@ -27,7 +27,7 @@ from amorsim.contracts import (
 from amorsim.core.errors import ComponentError
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
-from amorsim.estimators.ages import refuse_late
+from amorsim.estimators.ages import check_fresh
 from amorsim.estimators.known_map import Ends, field_of, free_of, maps_of, no_field, nowhere, place_of
 from amorsim.estimators.wheels import angles_of, carry, check_encoder, sensor_of, step_of
 from amorsim.kernels.filters import modes, particles
@@ -213,7 +213,7 @@ class MonteCarlo(Estimator):
     ) -> Estimate:
         """The estimate after this step's motion, and after weighing if the robot has moved far enough for a scan."""
         for name in (self.laser, self.encoder):
-            refuse_late("monte_carlo", robot, name, readings[name], self.age_max)
+            check_fresh("monte_carlo", robot, name, readings[name], self.age_max)
         state["figures"][:, 2] = 0.0
         before, after = angles_of(robot, self.encoder, readings[self.encoder].measured, state["joints"])
         state["joints"] = after

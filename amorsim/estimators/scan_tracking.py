@@ -23,7 +23,8 @@ from amorsim.contracts import (
 )
 from amorsim.core.errors import ComponentError
 from amorsim.core.poses import compose
-from amorsim.estimators.scans import beams_of, check_fresh, check_laser
+from amorsim.estimators.ages import check_fresh
+from amorsim.estimators.scans import beams_of, check_laser
 from amorsim.estimators.starts import refuse_lost, start_state, with_start
 from amorsim.estimators.wheels import angles_of, check_encoder, reckon
 from amorsim.kernels.matching import tracking

@@ -7,18 +7,16 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Measurement, RobotModel
+from amorsim.contracts import RobotModel
 from amorsim.core.errors import ComponentError
 from amorsim.core.poses import compose
 from amorsim.estimators.wheels import sensor_of
 from amorsim.kernels.kinematics.poses import directions
 from amorsim.kernels.mapping.occupancy import Scans
 
-__all__ = ["LATE", "Beams", "beams_of", "check_fresh", "check_laser", "mounts_of", "scans_of"]
+__all__ = ["Beams", "beams_of", "check_laser", "mounts_of", "scans_of"]
 
 Array = npt.NDArray[np.float64]
-
-LATE = 1e-9  # [s] beyond the age allowed
 
 
 class Beams(NamedTuple):
@@ -55,25 +53,6 @@ def mounts_of(robot: RobotModel, name: str) -> Array:
     mount = robot.sensors[name].mount
     sides: Any = mount.x, mount.y, mount.heading
     return np.concatenate([np.broadcast_to(side, (robot.rows, 1)) for side in sides], axis=1)
-
-
-def check_fresh(who: str, robot: RobotModel, name: str, reading: Measurement, age_max: Any) -> npt.NDArray[np.bool_]:
-    """Whether readings are new `(N, 1)`.
-
-    Raises
-    ------
-    ComponentError
-        If one is older than `age_max` [s] when it arrives, as estimators keep no history of poses.
-    """
-    late = reading.fresh & (reading.age > age_max + LATE)
-    if late.any():
-        row = int(np.flatnonzero(late[:, 0])[0])
-        raise ComponentError(
-            f"{robot.who(row)}, estimator {who}: the reading of {name!r} was {reading.age[row, 0]:g} s old when it "
-            "arrived, and the estimator keeps no history; give the sensor no latency, or set age_max to use readings "
-            "up to that age as if they were taken now"
-        )
-    return reading.fresh
 
 
 def scans_of(beams: Beams, poses: Array, ranges: Array, fresh: npt.NDArray[np.bool_]) -> Scans:
