@@ -29,7 +29,7 @@ from amorsim.estimators.ages import check_fresh, is_late
 from amorsim.estimators.map_area import MapArea, area_of, area_origins, log_odds_evidence, map_beliefs
 from amorsim.estimators.scans import Beams, beams_of, check_laser, mounts_of, scans_of
 from amorsim.estimators.starts import covariance_at_start, refuse_lost
-from amorsim.estimators.wheels import angles_of, check_encoder, reckon, sensor_of
+from amorsim.estimators.wheels import angles_of, check_encoder, is_current, reckon, sensor_of
 from amorsim.kernels.mapping import occupancy
 from amorsim.kernels.mapping.scan_cells import window_for
 
@@ -156,6 +156,7 @@ class GridMapping(MapArea, Estimator):
             before, after = angles_of(robot, self.encoder, readings[self.encoder].measured, state["joints"])
             moved = reckon(robot.drive, state["pose"], state["covariance"], before, after, self.wheel_variance)
             state["pose"], state["covariance"], state["joints"] = moved.pose, moved.covariance, after
+            fresh = fresh & is_current(robot, self.encoder, readings[self.encoder], after)
         if fresh.any():
             beams = beams_of(robot, self.laser)
             self._add(beams, scans_of(beams, state["pose"], readings[self.laser].measured, fresh), state)

@@ -29,7 +29,7 @@ from amorsim.estimators.map_area import MapArea, area_of, area_origins, log_odds
 from amorsim.estimators.scan_tracking import empty_outlines, placed
 from amorsim.estimators.scans import Beams, beams_of, check_laser
 from amorsim.estimators.starts import refuse_lost, start_state, with_start
-from amorsim.estimators.wheels import angles_of, check_encoder, reckon
+from amorsim.estimators.wheels import angles_of, check_encoder, is_current, reckon
 from amorsim.kernels.kinematics.poses import directions
 from amorsim.kernels.mapping import occupancy
 from amorsim.kernels.mapping.nodes import add_nodes
@@ -159,6 +159,7 @@ class GridSlam(MapArea, Estimator):
         moved = reckon(robot.drive, state["moved"], state["spread"], before, after, self.wheel_variance)
         state["moved"], state["spread"], state["joints"] = moved.pose, moved.covariance, after
         fresh = check_fresh("grid_slam", robot, self.laser, readings[self.laser], self.age_max)
+        fresh = fresh & is_current(robot, self.encoder, readings[self.encoder], after)
         way = np.sqrt(moved.pose[:, :1] ** 2 + moved.pose[:, 1:2] ** 2)
         is_far = (way >= self.match_distance) | (np.abs(moved.pose[:, 2:]) >= self.match_angle)
         due = np.ascontiguousarray(fresh & (is_far | (state["nodes"] == 0)[:, None]))

@@ -31,7 +31,7 @@ from amorsim.core.errors import ComponentError
 from amorsim.estimators.ages import check_fresh
 from amorsim.estimators.kalman_sources import SOURCES, check_sources, noise_in_words
 from amorsim.estimators.starts import covariance_at_start, refuse_lost
-from amorsim.estimators.wheels import angles_of, check_encoder, is_taken, reckon
+from amorsim.estimators.wheels import angles_of, check_encoder, is_current, is_taken, reckon
 from amorsim.kernels.filters import compatible, ekf, landmarks, points
 from amorsim.kernels.filters.updates import MATCH, NIS, RECORD, USED, Gaussians
 
@@ -230,8 +230,8 @@ class KalmanFilter(Estimator):
     ) -> tuple[Bools, Bools]:
         """What may be corrected by `(N, 1)`: places and headings; and the rate of turn.
 
-        Where the encoder's reading is lost, the wheels have moved by what the next one will tell: what is measured
-        then is of another pose than the mean. A rate of turn must be of the step in which the wheels turned.
+        What is measured where the mean is not current is of another pose. A rate of turn must be of the step in which
+        the wheels turned.
         """
         if "taken" not in state:
             every = np.ones((robot.rows, 1), dtype=bool)
@@ -239,7 +239,8 @@ class KalmanFilter(Estimator):
         reading = readings[self.encoder]
         was_taken, state["taken"] = state["taken"], is_taken(robot, self.encoder, reading, after)
         goes_on = (before == state["joints"]).all(axis=1, keepdims=True)
-        return state["taken"] | ~reading.fresh, np.asarray(state["taken"] & was_taken & goes_on)
+        is_there = is_current(robot, self.encoder, reading, after)
+        return is_there, np.asarray(state["taken"] & was_taken & goes_on)
 
     def _keep_valid(self, state: State, mean: Array, covariance: Array) -> None:
         """Put the rows whose numbers are none any more back to what they were before the update."""

@@ -29,7 +29,7 @@ from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.estimators.ages import check_fresh
 from amorsim.estimators.known_map import Ends, field_of, free_of, maps_of, no_field, nowhere, place_of
-from amorsim.estimators.wheels import angles_of, carry, check_encoder, sensor_of, step_of
+from amorsim.estimators.wheels import angles_of, carry, check_encoder, is_current, sensor_of, step_of
 from amorsim.kernels.filters import modes, particles
 from amorsim.kernels.filters.beams import Field, Mixture, Scan
 from amorsim.kernels.kinematics.poses import compose
@@ -226,7 +226,8 @@ class MonteCarlo(Estimator):
         moved_by = state["moved"]
         far = np.sqrt(moved_by[:, :1] ** 2 + moved_by[:, 1:2] ** 2) >= self.update_distance
         far |= np.abs(moved_by[:, 2:]) >= self.update_angle
-        seen = readings[self.laser].fresh[:, 0].copy()
+        fresh = readings[self.laser].fresh & is_current(robot, self.encoder, readings[self.encoder], after)
+        seen = fresh[:, 0].copy()
         rows = np.flatnonzero(begins | (far[:, 0] & seen)).astype(np.int64)
         if len(rows):
             self._update(rows, begins, seen, robot, readings[self.laser].measured, state, draws)

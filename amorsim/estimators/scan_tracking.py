@@ -26,7 +26,7 @@ from amorsim.core.poses import compose
 from amorsim.estimators.ages import check_fresh
 from amorsim.estimators.scans import beams_of, check_laser
 from amorsim.estimators.starts import refuse_lost, start_state, with_start
-from amorsim.estimators.wheels import angles_of, check_encoder, reckon
+from amorsim.estimators.wheels import angles_of, check_encoder, is_current, reckon
 from amorsim.kernels.matching import tracking
 from amorsim.kernels.matching.correlative import Window
 from amorsim.kernels.matching.icp import Search
@@ -162,6 +162,7 @@ class ScanTracker(Estimator):
         state["pose"], state["spread"], state["joints"] = moved.pose, moved.covariance, after
         reading = readings[self.laser]
         fresh = check_fresh(who, robot, self.laser, reading, self.age_max)
+        fresh = fresh & is_current(robot, self.encoder, readings[self.encoder], after)
         state["match"] = np.full_like(state["match"], np.nan)
         asked = np.zeros((robot.rows, 2), dtype=bool)
         if not fresh.any():

@@ -14,7 +14,18 @@ from amorsim.core.poses import exponential
 from amorsim.kernels.kinematics import odometry
 from amorsim.kernels.numbers import has_nan
 
-__all__ = ["Reckoned", "Step", "angles_of", "carry", "check_encoder", "is_taken", "reckon", "sensor_of", "step_of"]
+__all__ = [
+    "Reckoned",
+    "Step",
+    "angles_of",
+    "carry",
+    "check_encoder",
+    "is_current",
+    "is_taken",
+    "reckon",
+    "sensor_of",
+    "step_of",
+]
 
 Array = npt.NDArray[np.float64]
 
@@ -166,3 +177,11 @@ def is_taken(robot: RobotModel, encoder: str, reading: Measurement, after: Array
     """Whether the joints `after`, as `angles_of` gives them, are those of a reading that is new `(N, 1)`."""
     sensor: Any = robot.sensors[encoder].sensor
     return np.asarray(reading.fresh & (sensor.angles(reading.measured) == after).all(axis=1, keepdims=True))
+
+
+def is_current(robot: RobotModel, encoder: str, reading: Measurement, after: Array) -> npt.NDArray[np.bool_]:
+    """Whether a pose that the joints `after` have moved is where the robot is `(N, 1)`; no other may be corrected.
+
+    Where a new reading of the encoder is lost, the wheels have moved by what the next one will tell.
+    """
+    return is_taken(robot, encoder, reading, after) | ~reading.fresh

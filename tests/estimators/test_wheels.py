@@ -14,8 +14,11 @@ from tests.estimators.test_bits import MAKERS, scenario
 GPS, COMPASS, GYRO = 0.2, 0.05, 0.01
 
 
-def followed(name, lost=(), begins=0, value=np.nan, jumps=()):
-    """The last pose of an estimator that got no reading of the encoder in some steps, and what it is with all."""
+def ended(name, lost=(), begins=0, value=np.nan, jumps=(), blind=()):
+    """The last estimate and beliefs of an estimator that got no reading in some steps, and its pose with all readings.
+
+    In `lost` the encoder's is no number or `value`; in `blind` there is none of any other sensor.
+    """
     sim = am.Simulation(scenario(name), seed=5)
     runner = am.EstimatorRunner(sim.scenario.robots[0], "it", dt=sim.dt, seed=5)
     for step in range(12):
@@ -29,11 +32,19 @@ def followed(name, lost=(), begins=0, value=np.nan, jumps=()):
             readings["encoder"][-1] = value
         elif step in jumps:
             readings["encoder"][0] += 1e9
+        if step in blind:
+            readings = {"encoder": readings["encoder"]}
         estimate = runner.update(frame.time[0], readings, frame.command[0])
         assert np.isfinite(estimate.covariance).all()
         if "failed" in frame.beliefs.get("it", {}):
             assert not runner.beliefs["failed"]
-    return estimate.pose, frame.estimates["it"].pose[0]
+    return estimate, runner.beliefs, frame.estimates["it"].pose[0]
+
+
+def followed(name, **given):
+    """The last pose of an estimator that got no reading of the encoder in some steps, and what it is with all."""
+    estimate, _, wanted = ended(name, **given)
+    return estimate.pose, wanted
 
 
 @pytest.mark.parametrize("name", MAKERS)
@@ -42,6 +53,18 @@ def test_a_lost_reading_is_made_up_for_by_the_next(name):
     # A robot that turns while its encoder is silent: 0.1 m in one piece, and not in three.
     assert np.hypot(*(found - wanted)[:2]) < 0.03
     assert abs(found[2] - wanted[2]) < 0.03
+
+
+@pytest.mark.parametrize("name", MAKERS)
+def test_what_is_seen_while_the_reading_of_the_encoder_is_lost_changes_nothing(name):
+    """It is seen from further on, and would move the pose by what the next reading of the encoder moves it again."""
+    (estimate, beliefs, _), (wanted, believed, _) = (
+        ended(name, lost=(5,), blind=blind) for blind in ((3, 4), (3, 4, 5))
+    )
+    np.testing.assert_array_equal(estimate.pose, wanted.pose)
+    np.testing.assert_array_equal(estimate.covariance, wanted.covariance)
+    for key, belief in believed.items():
+        np.testing.assert_array_equal(beliefs[key], belief, err_msg=key)
 
 
 @pytest.mark.parametrize("value", [np.inf, -np.inf, 1e308])
