@@ -29,7 +29,7 @@ from amorsim.estimators.ages import check_fresh, is_late
 from amorsim.estimators.map_area import MapArea, area_of, area_origins, log_odds_evidence, map_beliefs
 from amorsim.estimators.scans import Beams, beams_of, check_laser, mounts_of, scans_of
 from amorsim.estimators.starts import covariance_at_start, refuse_lost
-from amorsim.estimators.wheels import angles_of, check_encoder, is_current, reckon, sensor_of
+from amorsim.estimators.wheels import angles_of, check_encoder, check_keeps_up, is_current, reckon, sensor_of
 from amorsim.kernels.mapping import occupancy
 from amorsim.kernels.mapping.scan_cells import window_for
 
@@ -118,6 +118,7 @@ class GridMapping(MapArea, Estimator):
             _check_place(robot, self.place)
         elif not self.estimator:
             check_encoder("grid_mapping", robot, self.encoder)
+            check_keeps_up("grid_mapping", robot, self.encoder, self.laser)
         if not (self.estimator or self.place) or None in (self.center_x, self.center_y):
             refuse_lost("grid_mapping", context)
         area = area_of("grid_mapping", self)

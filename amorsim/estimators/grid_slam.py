@@ -29,7 +29,7 @@ from amorsim.estimators.map_area import MapArea, area_of, area_origins, log_odds
 from amorsim.estimators.scan_tracking import empty_outlines, placed
 from amorsim.estimators.scans import Beams, beams_of, check_laser
 from amorsim.estimators.starts import refuse_lost, start_state, with_start
-from amorsim.estimators.wheels import angles_of, check_encoder, is_current, reckon
+from amorsim.estimators.wheels import angles_of, check_encoder, check_keeps_up, is_current, reckon
 from amorsim.kernels.kinematics.poses import directions
 from amorsim.kernels.mapping import occupancy
 from amorsim.kernels.mapping.nodes import add_nodes
@@ -123,6 +123,7 @@ class GridSlam(MapArea, Estimator):
         robot, rows = context.robot, context.rows
         check_laser("grid_slam", robot, self.laser)
         check_encoder("grid_slam", robot, self.encoder)
+        check_keeps_up("grid_slam", robot, self.encoder, self.laser)
         refuse_lost("grid_slam", context)
         area = area_of("grid_slam", self)
         beams = robot.sensors[self.laser].size

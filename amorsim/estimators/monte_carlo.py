@@ -29,7 +29,7 @@ from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.estimators.ages import check_fresh
 from amorsim.estimators.known_map import Ends, field_of, free_of, maps_of, no_field, nowhere, place_of
-from amorsim.estimators.wheels import angles_of, carry, check_encoder, is_current, sensor_of, step_of
+from amorsim.estimators.wheels import angles_of, carry, check_encoder, check_keeps_up, is_current, sensor_of, step_of
 from amorsim.kernels.filters import modes, particles
 from amorsim.kernels.filters.beams import Field, Mixture, Scan
 from amorsim.kernels.kinematics.poses import compose
@@ -179,6 +179,7 @@ class MonteCarlo(Estimator):
                 f"monte_carlo weighs particles by the sensor {self.laser!r}, but a {type(sensor).__name__} measures no "
                 "ranges along beams [m], as a laser does"
             )
+        check_keeps_up("monte_carlo", robot, self.encoder, self.laser)
         is_lost = bool(np.isnan(context.pose).any())
         self._sensing(robot, np.zeros((rows, sensor.bearings().shape[1])), np.arange(rows), is_lost)
         most = self.particles_max

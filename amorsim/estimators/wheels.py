@@ -20,6 +20,7 @@ __all__ = [
     "angles_of",
     "carry",
     "check_encoder",
+    "check_keeps_up",
     "is_current",
     "is_taken",
     "reckon",
@@ -152,6 +153,24 @@ def check_encoder(who: str, robot: RobotModel, name: str) -> None:
             f"{who} reads the sensor {name!r}, but a {type(sensor).__name__} counts no "
             "joints: it has no method angles(values). Name the robot's encoder in the field 'encoder'."
         )
+
+
+def check_keeps_up(who: str, robot: RobotModel, encoder: str, laser: str) -> None:
+    """Raise a `ComponentError` if the laser may read in a step in which the encoder does not."""
+    # A sensor reads at the first tick at or after each multiple of its period.
+    counts, scans = _rate(robot, encoder), _rate(robot, laser)
+    keeps_up = counts * robot.dt > 1.0 - 1e-9 or abs(counts / scans - round(counts / scans)) < 1e-9
+    if not keeps_up:
+        raise ComponentError(
+            f"{who} lays scans of {laser!r} where the sensor {encoder!r} says that the robot is, but that one reads at "
+            f"{counts:g} Hz and {laser!r} at {scans:g} Hz; give {encoder!r} no rate, or a multiple of the other's"
+        )
+
+
+def _rate(robot: RobotModel, name: str) -> float:
+    """How often a sensor reads [Hz], at most in every step."""
+    rate, most = robot.sensors[name].rate, 1.0 / robot.dt
+    return most if rate is None else min(rate, most)
 
 
 def angles_of(robot: RobotModel, encoder: str, measured: Array, joints: Array) -> tuple[Array, Array]:

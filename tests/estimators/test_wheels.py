@@ -177,3 +177,32 @@ def test_angles_of_other_joints_than_the_drives_are_refused(shape):
     changed = attrs.evolve(robot, sensors=dict(robot.sensors) | {"encoder": odd})
     with pytest.raises(am.ComponentError, match=r"sensor 'encoder' \(Odd\): expected .* \(1, 2\) \[rad\], got one of"):
         am.Simulation(attrs.evolve(scenario("dead_reckoning"), robots=[changed]))
+
+
+def rated(name, encoder, laser):
+    """A scenario whose encoder and laser have rates [Hz]."""
+    given = scenario(name)
+    robot = given.robots[0]
+    mounted = am.MountedSensor(sensor=building.encoder(), rate=encoder)
+    sensors = {**robot.sensors, "encoder": mounted, "laser": attrs.evolve(robot.sensors["laser"], rate=laser)}
+    return attrs.evolve(given, robots=[attrs.evolve(robot, sensors=sensors)])
+
+
+@pytest.mark.parametrize("name", ["monte_carlo", "grid_mapping", "grid_slam"])
+@pytest.mark.parametrize(("encoder", "laser"), [(2.0, None), (2.0, 4.0), (3.0, 2.0)])
+def test_a_laser_that_reads_when_the_encoder_does_not_is_refused(name, encoder, laser):
+    """Its scan would be laid where the robot was."""
+    with pytest.raises(
+        am.ComponentError, match=f"that one reads at {encoder:g} Hz and 'laser' at {laser or 10:g} Hz; "
+    ):
+        am.Simulation(rated(name, encoder, laser))
+
+
+@pytest.mark.parametrize("name", ["monte_carlo", "grid_mapping", "grid_slam"])
+@pytest.mark.parametrize(("encoder", "laser"), [(2.0, 2.0), (3.0, 1.0), (None, 3.0), (10.0, None)])
+def test_a_laser_that_reads_only_when_the_encoder_does_is_allowed(name, encoder, laser):
+    sim = am.Simulation(rated(name, encoder, laser))
+    for _ in range(20):
+        sim.step()
+        readings = sim.frames()[0].readings
+        assert readings["encoder"][1].fresh[0, 0] or not readings["laser"][1].fresh[0, 0]
