@@ -310,7 +310,8 @@ class Navigate(Controller):
         blocked = np.isfinite(look[:, 2:]) & (state["status"] == 0)
         due = (state["mode"] == DRIVING) & (time - state["planned"] >= self.replan_after)
         if not self.mapper:
-            due &= state["wanted"] | blocked | (state["status"] > 0)
+            ends = state["cut"] & (state["leg"] >= state["count"] // 2)[:, None]
+            due &= state["wanted"] | blocked | ends | (state["status"] > 0)
         goals = np.concatenate((self._goal(state), self._heading(state)), axis=1)
         for row in np.flatnonzero(due).tolist():
             answer = ways.plan(pose[row], goals[row], window, row, float(since[row, 0]))

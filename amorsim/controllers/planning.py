@@ -248,6 +248,7 @@ def no_path(pose: Array) -> State:
         "along": np.zeros((rows, PLACES)),
         "count": np.ones(rows, dtype=np.int64),
         "leg": np.zeros(rows, dtype=np.int64),
+        "cut": np.zeros((rows, 1), dtype=bool),  # paths that end before their goals
         "searched": np.full((rows, _SEARCHED, 2), np.nan),
     }
 
@@ -261,7 +262,9 @@ def keep_searched(places: Array, row: int, state: State) -> None:
 
 def lay_path(points: Array, row: int, state: State) -> None:
     """Put the corners of a path into the state; a path with too many ends before its goal."""
-    kept = _corners(points)[:PLACES]
+    corners = _corners(points)
+    kept = corners[:PLACES]
+    state["cut"][row] = len(corners) > PLACES
     steps = np.diff(kept, axis=0)
     state["path"][row, : len(kept)] = kept
     state["along"][row, : len(kept)] = np.concatenate(([0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1]))))
@@ -315,6 +318,8 @@ def _corners(points: Array) -> Array:
     if len(points) < 3:
         return points
     cross = steps[:-1, 0] * steps[1:, 1] - steps[:-1, 1] * steps[1:, 0]
-    turns = np.abs(cross) > 1e-9 * np.hypot(*steps[:-1].T) * np.hypot(*steps[1:].T)
+    before, after = np.hypot(*steps[:-1].T), np.hypot(*steps[1:].T)
+    rounding = 4.0 * np.spacing(np.abs(points).max())  # [m] of a step, far from the origin
+    turns = np.abs(cross) > 1e-9 * before * after + rounding * (before + after)
     turns |= (steps[:-1] * steps[1:]).sum(axis=1) < 0.0  # where it goes back on the same line
     return np.asarray(points[np.concatenate(([True], turns, [True]))])

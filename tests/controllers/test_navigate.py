@@ -234,3 +234,18 @@ def test_a_planner_that_gives_no_plan_is_named_with_its_robot(monkeypatch, answe
     with pytest.raises(am.ControllerError, match=r"robot 'rover': planner \(ThetaStar\): ") as caught:
         simulate([make(navigate((6.0, -1.0)))], duration=1.0)
     assert caught.value.robot == "rover"
+
+
+def test_a_path_of_more_corners_than_it_keeps_is_planned_again_on_the_way(monkeypatch):
+    """It would end before the goal, and the robot would stand there and recover."""
+
+    def zigzag(self, world, start, goal, *, footprint=None):
+        ahead = np.arange(0.0, goal[0] - start[0], 0.01)
+        aside = 0.005 * (-1.0) ** np.arange(len(ahead))
+        poses = np.stack((start[0] + ahead, start[1] + aside, 0.0 * ahead), axis=1)
+        return am.Plan(status="found", poses=np.vstack((poses, [*goal[:2], 0.0])), length=goal[0] - start[0])
+
+    monkeypatch.setattr(am.planners.ThetaStar, "plan", zigzag)
+    simulation = simulate([knowing(make(navigate((6.0, 0.0))))], duration=30.0)
+    assert said(simulation) == [("rover", "goal_reached", "1 of 1")]
+    assert 3 <= simulation.frames()[0].beliefs["controller"]["plans"][0, 0] <= 10

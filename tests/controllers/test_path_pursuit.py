@@ -126,6 +126,17 @@ def test_a_path_that_goes_back_on_the_same_line_keeps_its_turning_place():
     assert state["path"][0, : state["count"][0]].tolist() == [[0.0, 0.0], [2.0, 0.0], [0.5, 0.0]]
 
 
+@pytest.mark.parametrize("far", [0.0, 1e4, 3e6])
+def test_a_straight_path_of_many_places_has_two_corners_wherever_it_is(far):
+    """As that of RRT*, which draws its samples on the shortest path when it has found it."""
+    along = np.sort(np.random.default_rng(1).uniform(0.0, 3.0, 2000))[:, None]
+    state = no_path(np.zeros((1, 3)))
+    lay_path(np.array([far, -2.0 * far]) + along * (math.cos(0.5), math.sin(0.5)), 0, state)
+    assert state["count"][0] == 2
+    assert state["along"][0, 1] == pytest.approx(along[-1, 0] - along[0, 0])
+    assert not state["cut"][0, 0]
+
+
 def test_headings_are_of_goals_and_for_planners_with_headings():
     with pytest.raises(ParameterError, match="headings: expected one for each of 1 goals, got 2"):
         navigator(headings=(0.0, 1.0))
