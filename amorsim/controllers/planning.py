@@ -65,7 +65,7 @@ class Ways(NamedTuple):
     mapper: str
     """Name of the estimator on whose map they plan; empty: on the map that they were given."""
     wide: float
-    """[m] the reach of the footprint."""
+    """[m] the reach of the footprint, or `narrow` if that is more."""
     narrow: float
     """[m] kept from walls at the least."""
     mapped: dict[str, Beliefs]
@@ -76,8 +76,10 @@ class Ways(NamedTuple):
     @classmethod
     def of(cls, robot: RobotModel, planner: Planner, mapper: str, least_clearance: float | None) -> Ways:
         """For these robots; by default paths keep half the width of the footprint."""
-        half = float(np.abs(robot.shape.outline[:, 1]).max()) if least_clearance is None else least_clearance
-        return cls(planner, robot, mapper, float(robot.shape.reach), min(half, float(robot.shape.reach)), {}, {})
+        reach = float(robot.shape.reach)
+        half = min(float(np.abs(robot.shape.outline[:, 1]).max()), reach)
+        narrow = half if least_clearance is None else least_clearance
+        return cls(planner, robot, mapper, max(reach, narrow), narrow, {}, {})
 
     def plan(self, pose: Array, goal: Array, window: Window, row: int, since: float) -> Answer:
         """What came of the plan from a robot's pose to its goal (2,) or (3,)."""

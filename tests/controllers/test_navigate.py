@@ -45,10 +45,22 @@ def test_its_path_is_a_belief_and_keeps_the_reach_of_the_footprint():
     path = path[np.isfinite(path[:, 0])]
     assert math.dist(path[0], (0.0, 0.0)) < 0.1
     assert path[-1].tolist() == [6.0, -1.0]
+    assert gap_of(path) >= robot.shape.reach - 1e-6
+
+
+def gap_of(path):
+    """How near a path comes to the upper end of `WALL` [m]."""
     corner = np.array([3.0, 1.5])
     legs = np.diff(path, axis=0)
     t = np.clip(((corner - path[:-1]) * legs).sum(axis=1) / (legs**2).sum(axis=1), 0.0, 1.0)
-    assert np.hypot(*(path[:-1] + t[:, None] * legs - corner).T).min() >= robot.shape.reach - 1e-6
+    return np.hypot(*(path[:-1] + t[:, None] * legs - corner).T).min()
+
+
+@pytest.mark.parametrize("least", [0.45, 0.6])
+def test_its_path_keeps_a_clearance_larger_than_the_reach_of_the_footprint(least):
+    robot = knowing(make(navigate((6.0, -1.0), least_clearance=least)), WALL)
+    path = simulate([robot], [WALL], duration=1.0).frames()[0].beliefs["controller"]["path"][0]
+    assert robot.shape.reach < least <= gap_of(path[np.isfinite(path[:, 0])]) + 1e-6
 
 
 def test_it_plans_again_where_the_map_is_wrong():
