@@ -51,10 +51,10 @@ class Navigate(Controller):
     """Drives to one goal after another: a planner finds the way, an avoider drives along it.
 
     The planner plans on the map that the robot was given (`knowledge.map`), or else on open ground, and adds what the
-    robot has seen. The path keeps the reach of the footprint from walls, so that the robot can turn anywhere on it;
-    where no such way leads to the goal, or it is much longer, `least_clearance`. Planners with headings turn the
-    footprint with the robot instead. The robot remembers what it sees around itself, and plans again if that blocks
-    its path.
+    robot has seen. The path keeps the reach of the footprint and the avoider's `clearance` from walls, so that the
+    robot can turn anywhere on it; where no such way leads to the goal, or it is much longer, `least_clearance`.
+    Planners with headings turn the footprint with the robot instead. The robot remembers what it sees around itself,
+    and plans again if that blocks its path.
 
     If it stays in one place too long, it tries the `recovery` in turn, plans again after each, and gives up the goal
     after all were tried `rounds` times. Then it goes for the next goal. It reports ``goal_reached``, ``recovery`` and
@@ -301,7 +301,7 @@ class Navigate(Controller):
     def _way(self, robot: RobotModel, pose: Array, time: Array, window: Window, state: State) -> Guide:
         """The paths, planned again where that is due."""
         rows = robot.rows
-        ways = Ways.of(robot, self.planner, self.mapper, self.least_clearance)
+        ways = Ways.of(robot, self.planner, self.mapper, self.avoider.clearance, self.least_clearance)
         since = time - self.memory
         look = np.empty((rows, 3))
         room = np.full((rows, 1), max(ways.narrow - self.cell, 0.5 * self.cell))

@@ -64,8 +64,8 @@ class Ways(NamedTuple):
     robot: RobotModel
     mapper: str
     """Name of the estimator on whose map they plan; empty: on the map that they were given."""
-    wide: float
-    """[m] the reach of the footprint, or `narrow` if that is more."""
+    wide: Array
+    """(N,) [m] the reach of the footprint and what the avoider keeps free around it, or `narrow` if that is more."""
     narrow: float
     """[m] kept from walls at the least."""
     mapped: dict[str, Beliefs]
@@ -74,12 +74,18 @@ class Ways(NamedTuple):
     """Plans with headings of this step on known maps, which robots that start alike in all replicas share."""
 
     @classmethod
-    def of(cls, robot: RobotModel, planner: Planner, mapper: str, least_clearance: float | None) -> Ways:
-        """For these robots; by default paths keep half the width of the footprint."""
+    def of(
+        cls, robot: RobotModel, planner: Planner, mapper: str, clearance: Array | float, least_clearance: float | None
+    ) -> Ways:
+        """For these robots, whose avoiders keep a `clearance` [m], one or `(N, 1)`.
+
+        Without a `least_clearance` [m], paths keep half the width of the footprint at the least.
+        """
         reach = float(robot.shape.reach)
         half = min(float(np.abs(robot.shape.outline[:, 1]).max()), reach)
         narrow = half if least_clearance is None else least_clearance
-        return cls(planner, robot, mapper, max(reach, narrow), narrow, {}, {})
+        room = np.zeros((robot.rows, 1)) + reach + clearance
+        return cls(planner, robot, mapper, np.maximum(room[:, 0], narrow), narrow, {}, {})
 
     def plan(self, pose: Array, goal: Array, window: Window, row: int, since: float) -> Answer:
         """What came of the plan from a robot's pose to its goal (2,) or (3,)."""
@@ -90,7 +96,8 @@ class Ways(NamedTuple):
         straight = float(np.hypot(*(goal - pose[:2])))
         found: dict[float, tuple[float, Array]] = {}
         status, searched = "unreachable", np.empty((0, 2))
-        for room in (self.wide, self.narrow):
+        wide = float(self.wide[row])
+        for room in (wide, self.narrow):
             if room in found:
                 continue
             plan, points = self._with_room(world, pose, goal, room, row)
@@ -100,8 +107,8 @@ class Ways(NamedTuple):
                 found[room] = (length, points)
                 if length <= _DETOUR * straight:  # none is much shorter
                     break
-        if self.wide in found and found[self.wide][0] <= _DETOUR * found.get(self.narrow, (np.inf,))[0]:
-            return Answer("found", found[self.wide][1], searched)
+        if wide in found and found[wide][0] <= _DETOUR * found.get(self.narrow, (np.inf,))[0]:
+            return Answer("found", found[wide][1], searched)
         if found:
             return Answer("found", min(found.values(), key=lambda one: one[0])[1], searched)
         return Answer(status, searched=searched)

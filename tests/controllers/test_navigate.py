@@ -48,6 +48,13 @@ def test_its_path_is_a_belief_and_keeps_the_reach_of_the_footprint():
     assert gap_of(path) >= robot.shape.reach - 1e-6
 
 
+def test_its_path_keeps_what_its_avoider_keeps_free():
+    avoider = am.controllers.Dwa(speed=0.6, clearance=0.2)
+    robot = knowing(make(navigate((6.0, -1.0), avoider=avoider)), WALL)
+    path = simulate([robot], [WALL], duration=1.0).frames()[0].beliefs["controller"]["path"][0]
+    assert gap_of(path[np.isfinite(path[:, 0])]) >= robot.shape.reach + 0.2 - 1e-6
+
+
 def gap_of(path):
     """How near a path comes to the upper end of `WALL` [m]."""
     corner = np.array([3.0, 1.5])
@@ -101,7 +108,8 @@ def test_backing_up_heeds_what_it_saw_before_its_trouble_began():
 
     Backing up for 2 s takes it 0.27 m, and leaves it 0.2 m of the box.
     """
-    box = [(-0.45, -0.5, 0.45, -0.5), (0.45, -0.5, 0.45, 0.5), (0.45, 0.5, -0.45, 0.5), (-0.45, 0.5, -0.45, -0.5)]
+    x, y = 0.44, 0.48
+    box = [(-x, -y, x, -y), (x, -y, x, y), (x, y, -x, y), (-x, y, -x, -y)]
     recovery = ("turn", "stop", "back")
     controller = navigate((6.0, 0.0), rounds=1, stuck_after=2.0, memory=4.0, recovery=recovery, cell=0.02, window=2.0)
     simulation = simulate([make(controller)], box, duration=12.2)
@@ -230,7 +238,7 @@ def test_each_row_plans_on_the_map_that_it_knows():
     """One knows of the wall, the other does not, and plans straight through it."""
     maps = tuple(am.Map.from_segments([*ROOM, *walls], resolution=0.05) for walls in ([WALL], []))
     robot = simulate([make(navigate((6.0, -1.0)))], duration=0.0).frames()[0].robot
-    ways = Ways.of(attrs.evolve(robot, rows=2, map=None, maps=maps), am.planners.ThetaStar(), "", None)
+    ways = Ways.of(attrs.evolve(robot, rows=2, map=None, maps=maps), am.planners.ThetaStar(), "", 0.05, None)
     never = {"seen": np.full((2, 2, 2), -1e30, np.float32), "corner": np.zeros((2, 2), np.int64), "side": 0.05}
     never["place"] = np.zeros((2, 2, 2, 2), np.int8)
     nothing_seen = Window(*(never[field] for field in Window._fields))
