@@ -15,6 +15,7 @@ from amorsim.core.reading import is_file
 from amorsim.core.whole_files import write_text
 from amorsim.runs.about import read_about
 from amorsim.runs.folder import check_free, circumstances, fingerprints
+from amorsim.scenario.read import load
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.write import table_text, with_copies
 from amorsim.sweeps.chunk import Outcome
@@ -216,19 +217,42 @@ def inputs_of(plan: Plan, scenario: Scenario) -> dict[str, str]:
     """A fingerprint of the study, and of each file that it depends on."""
     study = json.dumps(plan.tables, sort_keys=True, default=str).encode()
     found = {"study": hashlib.blake2b(study, digest_size=16).hexdigest()}
+    try:
+        found |= _files_of(scenario)
+    except AmorsimError as error:
+        raise StudyError(str(error)) from None
+    read: set[str] = set()
+    for axis in plan.axes:
+        for label, settings, files in zip(axis.labels, axis.settings, axis.files, strict=True):
+            if read.issuperset(files):  # reading a large map takes long
+                continue
+            for file in files:
+                path = Path(file)
+                found[file] = fingerprints(path.parent, [path.name]).get(path.name, "")
+            with contextlib.suppress(AmorsimError):  # a point that fails, or a value that needs another axis's
+                for name, digest in _files_of(load(plan.scenario, settings)).items():
+                    if name != "scenario" and found.get(name) != digest:
+                        found[f"{name} of {axis.name} = {label}"] = digest
+                read.update(files)
+    return found
+
+
+def _files_of(scenario: Scenario) -> dict[str, str]:
+    """A fingerprint of a scenario, and of each file that it needs: maps of several files, what programs import.
+
+    Raises
+    ------
+    AmorsimError
+        If a file cannot be read.
+    """
     with tempfile.TemporaryDirectory(prefix="amorsim-") as place:
         folder = Path(place)
-        try:
-            text = table_text(with_copies(scenario, folder))
-        except AmorsimError as error:
-            raise StudyError(str(error)) from None
-        found["scenario"] = hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
+        text = table_text(with_copies(scenario, folder))
         files = sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
-        found |= fingerprints(folder, files)
-    for name in plan.files:
-        path = Path(name)
-        found[name] = fingerprints(path.parent, [path.name]).get(path.name, "")
-    return found
+        return {
+            "scenario": hashlib.blake2b(text.encode(), digest_size=16).hexdigest(),
+            **fingerprints(folder, files),
+        }
 
 
 def _shown(value: Any) -> str:

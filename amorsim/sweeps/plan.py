@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import attrs
@@ -21,11 +21,12 @@ Label = float | int | str | bool
 
 @attrs.frozen(kw_only=True)
 class Axis:
-    """What differs from point to point: a name, and for each value its label and the settings that it means."""
+    """What differs from point to point: a name, and for each value its label, its settings, and the files it names."""
 
     name: str
     labels: tuple[Label, ...]
     settings: tuple[tuple[str, ...], ...]
+    files: tuple[tuple[str, ...], ...]
 
     def __len__(self) -> int:
         return len(self.labels)
@@ -68,8 +69,6 @@ class Plan:
         one had; ``"collision"``, at a robot's first one.
     tables
         The study's file, as plain values.
-    files
-        Files that values of axes name.
     """
 
     name: str
@@ -81,7 +80,6 @@ class Plan:
     duration: float | None = None
     stop: str = "never"
     tables: Mapping[str, Any] = attrs.field(factory=dict)
-    files: Sequence[str] = ()
 
     @property
     def points(self) -> int:

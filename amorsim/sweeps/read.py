@@ -75,7 +75,6 @@ def _with_folder(book: Book, path: Path) -> Book:
 def _read(top: Node, name: str, registry: Registry) -> Plan | None:
     check_format(top.child("format"))
     top.refuse_unknown(_KEYS)
-    files: list[str] = []
     scenario = top.child("scenario").text("the name of a scenario, or the path of its file") or ""
     if scenario not in registry.names("scenario") or (top.folder / scenario).is_file():
         scenario = str(top.folder / scenario)
@@ -89,7 +88,7 @@ def _read(top: Node, name: str, registry: Registry) -> Plan | None:
     stop = top.child("stop").text(f"one of {', '.join(STOPS)}", "never") or ""
     if stop and stop not in STOPS:
         top.child("stop").fault(f"expected one of {', '.join(STOPS)}, got {stop!r}")
-    axes = _axes(top.child("axes"), files)
+    axes = _axes(top.child("axes"))
     metrics = _metrics(top.child("metrics"), registry)
     _check_columns(top, axes, metrics)
     _check_paths(top, axes)
@@ -105,7 +104,6 @@ def _read(top: Node, name: str, registry: Registry) -> Plan | None:
         duration=duration,
         stop=stop,
         tables=top.value,
-        files=tuple(dict.fromkeys(files)),
     )
     if plan.chunks > _MOST_CHUNKS:
         top.child("axes").fault(f"expected {_MOST_CHUNKS} points and seeds at most, got {plan.chunks}")
@@ -147,14 +145,14 @@ def _seeds(node: Node) -> tuple[int, ...]:
 # ---------------------------------------------------------------------------------------------------------------- axes
 
 
-def _axes(node: Node, files: list[str]) -> list[Axis]:
+def _axes(node: Node) -> list[Axis]:
     if node.value is None:
         return []
     if not node.expect_table('a table of paths and their values, as in "robots.rover.controller.speed" = [0.1, 0.2]'):
         return []
     found = []
     for name, child in _flat(node):
-        axis = _axis(name, child, files)
+        axis = _axis(name, child)
         if axis is not None:
             found.append(axis)
     return found
@@ -176,9 +174,9 @@ def _is_axis(table: Mapping[str, Any]) -> bool:
     return bool({"values", "variants", *_RANGE, *_DRAWN} & set(table)) or not table
 
 
-def _axis(name: str, node: Node, files: list[str]) -> Axis | None:
+def _axis(name: str, node: Node) -> Axis | None:
     if node.is_table and "variants" in node:
-        return _variants(name, node, files)
+        return _variants(name, node)
     values = _values(node)
     if values is None:
         return None
@@ -189,8 +187,12 @@ def _axis(name: str, node: Node, files: list[str]) -> Axis | None:
     if len(set(map(_identity, labels))) < len(labels):
         node.fault(f"expected different values, got {shown(values)}")
         return None
-    anchored = [_anchored(value, node.folder, files) for value in values]
-    return Axis(name=name, labels=tuple(labels), settings=tuple((f"{name}={as_toml(value)}",) for value in anchored))
+    settings, files = [], []
+    for value in values:
+        named: list[str] = []
+        settings.append((f"{name}={as_toml(_anchored(value, node.folder, named))}",))
+        files.append(tuple(named))
+    return Axis(name=name, labels=tuple(labels), settings=tuple(settings), files=tuple(files))
 
 
 def _values(node: Node) -> list[Any] | None:
@@ -254,23 +256,25 @@ def _drawn(node: Node, kind: str) -> list[Any] | None:
     return [float(value) for value in drawn]
 
 
-def _variants(name: str, node: Node, files: list[str]) -> Axis | None:
+def _variants(name: str, node: Node) -> Axis | None:
     """An axis of things that differ in several values at once, by their names."""
     node.refuse_unknown(("variants",))
     table = node.child("variants")
     if not table.expect_table('a table of variants, each a table of paths and values, as { slow = { "..." = 0.1 } }'):
         return None
-    labels, settings = [], []
+    labels, settings, files = [], [], []
     for label, variant in table.children():
         if not variant.expect_table("a table of paths and values"):
             continue
         labels.append(label)
+        named: list[str] = []
         flat = [(path, child) for path, child in variant.children()]
-        settings.append(tuple(f"{path}={as_toml(_anchored(child.value, node.folder, files))}" for path, child in flat))
+        settings.append(tuple(f"{path}={as_toml(_anchored(child.value, node.folder, named))}" for path, child in flat))
+        files.append(tuple(named))
     if not labels:
         table.fault("expected one variant at least, got none")
         return None
-    return Axis(name=name, labels=tuple(labels), settings=tuple(settings))
+    return Axis(name=name, labels=tuple(labels), settings=tuple(settings), files=tuple(files))
 
 
 def _labels(values: list[Any]) -> list[Any]:
