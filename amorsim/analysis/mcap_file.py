@@ -70,7 +70,7 @@ def write_mcap(files: RunFiles, path: Path) -> None:
 
     Topics are ``/ROBOT/true_pose``, ``/ROBOT/estimated_pose``, ``/ROBOT/SENSOR``, ``/ROBOT/command``, ``/tf/ROBOT`` and
     ``/events``. Ranges at even angles are scans; other readings are lists of numbers. Ranges without a return are left
-    at 0, and numbers that are none are null, because JSON has no infinity.
+    at 0; in lists they are ``"Infinity"``, and numbers that are none are null, because JSON has neither.
 
     Raises
     ------
@@ -150,8 +150,8 @@ def _readings(files: RunFiles, robot: Robot, name: str, replica: int) -> Iterato
     for time, stamp, row in zip(read["time"].tolist(), read["stamp"].tolist(), values, strict=True):
         measured = {"timestamp": _stamp(nanoseconds_of(stamp))}
         if angles is None or len(angles) != values.shape[1]:
-            numbers = [value if math.isfinite(value) else None for value in row.tolist()]
-            yield time, topic, VALUES, {**measured, "labels": [unit.sensor.unit], "values": numbers}
+            content = {"labels": [unit.sensor.unit], "values": list(map(_number, row.tolist()))}
+            yield time, topic, VALUES, measured | content
             continue
         scan = {
             **measured,
@@ -163,6 +163,13 @@ def _readings(files: RunFiles, robot: Robot, name: str, replica: int) -> Iterato
             "intensities": [],
         }
         yield time, topic, "foxglove.LaserScan", scan
+
+
+def _number(value: float) -> float | str | None:
+    """A number as JSON can say it: no number as null, an infinite one as the word that protobuf has for it."""
+    if math.isinf(value):
+        return "Infinity" if value > 0.0 else "-Infinity"
+    return None if math.isnan(value) else value
 
 
 def _stamp(nanoseconds: int) -> dict[str, int]:

@@ -97,7 +97,7 @@ def reading_of(kind: str, content: Any, sensor: Sensor, robot: Robot, topic: str
         If a message of that kind holds no such reading.
     """
     if kind == VALUES:
-        return np.array([math.nan if value is None else value for value in content.values], dtype=np.float64)
+        return np.array([math.nan if value is None else float(value) for value in content.values], dtype=np.float64)
     if kind in _ARRAYS:
         return np.asarray(content.data, dtype=np.float64)
     if isinstance(sensor, Encoder) and kind == "sensor_msgs/JointState":

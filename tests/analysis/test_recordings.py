@@ -227,3 +227,30 @@ def test_each_robot_of_a_mixed_fleet_has_its_own_readings_and_commands(kind: str
         beams = {len(entry.readings["laser"]) for entry in log if "laser" in entry.readings}
         assert beams == {reading_size(robot, "laser")}
         assert all(entry.command is not None and np.isfinite(entry.command).all() for entry in log[1:])
+
+
+@pytest.mark.parametrize("kind", ["mcap"])
+def test_late_and_lost_readings_are_so_in_a_recording(kind: str, tmp_path: Path) -> None:
+    """A compass and a GPS are late; they and a sonar lose readings, which are infinite then."""
+    pytest.importorskip({"rosbag": "rosbags", "mcap": "mcap"}[kind])
+    lost = "noise=[{ use = 'dropout', probability = 0.3 }]"
+    changes = [f"sonar.{lost}", "compass.use='compass'", "compass.latency=0.2", f"compass.{lost}"]
+    changes += ["gps.use='gps'", "gps.rate=5.0", "gps.latency=0.1", f"gps.{lost}"]
+    scenario = am.load("demo", [f"robots.rover.sensors.{each}" for each in changes])
+    am.run(scenario, tmp_path / "run", duration=2.0)
+    robot = scenario.robots[0]
+    written = list(read_log(tmp_path / "run", robot))
+    read = list(read_log(export_run(tmp_path / "run", kind, tmp_path / "export")[0], robot))
+    assert len(read) == len(written)
+    infinite = set()
+    for was, found in zip(written, read, strict=True):
+        for name in {"compass", "gps", "sonar"} & set(was.readings):
+            there = np.isfinite(was.readings[name])
+            infinite |= set() if there.all() else {name}
+            assert found.ages[name] == pytest.approx(was.ages[name], abs=1e-8)
+            assert found.readings[name][there] == pytest.approx(was.readings[name][there], abs=1e-12)
+            if name == "compass":  # in a quaternion nothing is infinite
+                assert not np.isfinite(found.readings[name][~there]).any()
+            else:
+                assert np.array_equal(found.readings[name], was.readings[name])
+    assert infinite == {"compass", "gps", "sonar"}
