@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import shutil
 import tempfile
@@ -18,7 +19,7 @@ from amorsim.analysis.own_columns import own_commands, own_readings
 from amorsim.core.errors import AnalysisError, RunError
 from amorsim.core.whole_files import PREFIX
 from amorsim.scenario.spec import MountedSensor, Robot
-from amorsim.sensors import Encoder, Gyro, Imu
+from amorsim.sensors import Compass, Encoder, Gps, Gyro, Imu
 from amorsim.simulation.alike import channels_of
 
 __all__ = ["write_bag"]
@@ -46,11 +47,12 @@ def write_bag(files: RunFiles, path: Path) -> None:
     ``/ROBOT/estimates/NAME``  ``geometry_msgs/PoseWithCovarianceStamped``: the estimate of each estimator
     ``/ROBOT/command``         ``std_msgs/Float64MultiArray``, at the time at which it was given
     ``/ROBOT/SENSOR``          ``sensor_msgs/LaserScan`` for ranges at even angles, ``JointState`` [rad] for encoders,
-                               ``Imu`` for gyros and IMUs, ``std_msgs/Float64MultiArray`` for others
+                               ``Imu`` for gyros, IMUs and compasses, ``geometry_msgs/PointStamped`` for places of a
+                               GPS, ``std_msgs/Float64MultiArray`` for others
     =========================  =====================================================================================
 
-    Messages are in the order in which they arrived; stamps say when they were measured. ROS's scans have single
-    precision.
+    Messages are in the order in which they arrived; stamps say when they were measured. An array has no stamp, so those
+    who read it take it for measured when it arrived. ROS's scans have single precision.
 
     Raises
     ------
@@ -212,11 +214,10 @@ class _Messages:
         topic = f"/{self._name(robot.name)}/{self._name(name)}"
         frame = self._frame(robot, name)
         for time, stamp, row in zip(table["time"].tolist(), table["stamp"].tolist(), values, strict=True):
-            header = self._header(nanoseconds_of(stamp), frame)
-            yield nanoseconds_of(time), topic, self._reading(robot, unit, header, row)
+            yield nanoseconds_of(time), topic, self._reading(robot, unit, nanoseconds_of(stamp), frame, row)
 
-    def _reading(self, robot: Robot, unit: MountedSensor, header: Any, values: Array) -> Any:
-        sensor = unit.sensor
+    def _reading(self, robot: Robot, unit: MountedSensor, stamp: int, frame: str, values: Array) -> Any:
+        sensor, header = unit.sensor, self._header(stamp, frame)
         angles = beams_of(sensor)
         if angles is not None and len(angles) == len(values):
             return self._type("sensor_msgs/msg/LaserScan")(
@@ -239,20 +240,31 @@ class _Messages:
                 velocity=np.empty(0),
                 effort=np.empty(0),
             )
-        if isinstance(sensor, (Gyro, Imu)):
-            ahead, left = values[:2].tolist() if isinstance(sensor, Imu) else (0.0, 0.0)
-            unknown = np.zeros(9)
-            unknown[0] = _UNKNOWN
-            return self._type("sensor_msgs/msg/Imu")(
-                header=header,
-                orientation=self._type("geometry_msgs/msg/Quaternion")(x=0.0, y=0.0, z=0.0, w=1.0),
-                orientation_covariance=unknown,
-                angular_velocity=self._vector(0.0, 0.0, float(values[-1])),
-                angular_velocity_covariance=np.zeros(9),
-                linear_acceleration=self._vector(ahead, left, 0.0),
-                linear_acceleration_covariance=np.zeros(9) if isinstance(sensor, Imu) else unknown,
+        if isinstance(sensor, (Compass, Gyro, Imu)):
+            return self._imu(sensor, header, values)
+        if isinstance(sensor, Gps) and not sensor.heading:
+            x, y = values.tolist()
+            return self._type("geometry_msgs/msg/PointStamped")(
+                header=self._header(stamp, _MAP), point=self._type("geometry_msgs/msg/Point")(x=x, y=y, z=0.0)
             )
         return self._numbers(values, [sensor.unit])
+
+    def _imu(self, sensor: Compass | Gyro | Imu, header: Any, values: Array) -> Any:
+        """An Imu with what the sensor measures; the covariances say of the rest that it is unknown."""
+        is_compass = isinstance(sensor, Compass)
+        heading = float(values[0]) if is_compass else 0.0
+        ahead, left = values[:2].tolist() if isinstance(sensor, Imu) else (0.0, 0.0)
+        known, unknown = np.zeros(9), np.zeros(9)
+        unknown[0] = _UNKNOWN
+        return self._type("sensor_msgs/msg/Imu")(
+            header=header,
+            orientation=self._turned(heading if math.isfinite(heading) else math.nan),  # a lost one may be infinite
+            orientation_covariance=known if is_compass else unknown,
+            angular_velocity=self._vector(0.0, 0.0, 0.0 if is_compass else float(values[-1])),
+            angular_velocity_covariance=unknown if is_compass else known,
+            linear_acceleration=self._vector(ahead, left, 0.0),
+            linear_acceleration_covariance=known if isinstance(sensor, Imu) else unknown,
+        )
 
     # ----------------------------------------------------------------------------------------------------------- parts
 
