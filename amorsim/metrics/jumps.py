@@ -30,7 +30,8 @@ def jumps(episode: Episode) -> list[Jump]:
     found = []
     for event in episode.events:
         if event.kind in _KINDS and len(episode.time) > 1:
-            place = round((event.time - episode.time[0]) / episode.dt)
+            # Not by the length of a step: in files it is rounded, which adds up to whole steps in half an hour.
+            place = int(np.abs(episode.time - event.time).argmin())
             if place < len(episode.time) - 1:
                 found.append(Jump(place, rows[event.replica], event.value))
     return found

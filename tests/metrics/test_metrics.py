@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+import attrs
 import numpy as np
 import pytest
 
@@ -170,6 +171,17 @@ def test_recovery_counts_from_the_last_kidnap(kind: str) -> None:
     estimated[20, 0, 1] += 5.0
     again = episode(true, estimated, events)
     assert RecoveryTime(hold=1.0).measure(again)[0] == pytest.approx(1.1)
+
+
+def test_a_jump_late_in_a_long_run_is_found_in_times_of_six_digits() -> None:
+    steps, dt = 60_000, 1.0 / 30.0
+    true = np.zeros((steps + 1, 1, 3))
+    true[57_001:] = (7.0, 0.0, 0.0)
+    seen = attrs.evolve(
+        episode(true, events=[event("kidnapped", 1900.0, 0, (7.0, 0.0, 0.0))]),
+        time=np.round(dt * np.arange(steps + 1), 6),
+    )
+    assert PathLength().measure(seen).tolist() == [0.0]
 
 
 def test_nees_and_nis_of_known_covariances() -> None:
