@@ -94,7 +94,7 @@ def read_log(
         Whose sensors and drive give the readings' meaning.
     topics
         By sensor, the topic of its readings, as ``{"laser": "/scan"}``. Without it, each sensor's is
-        ``/ROBOT/SENSOR``, as in exported runs; those that are not there are left out.
+        ``/ROBOT/SENSOR``, as in exported runs; those that are not there are left out, but for all of them.
     command
         The topic of commands, such as ``"/cmd_vel"``; without it, ``/ROBOT/command``, if it is there. A twist becomes
         the command that the nominal drive needs for it.
@@ -104,8 +104,8 @@ def read_log(
     Raises
     ------
     AnalysisError
-        If a library is missing, the recording cannot be read, there is no such topic, or messages on it are of
-        another kind.
+        If a library is missing, the recording cannot be read, there is no such topic, messages on it are of another
+        kind, or the run has not written its readings.
     RunError
         If a file of the run's folder is damaged, or the run has no such robot or replica.
     """
@@ -133,7 +133,7 @@ def read_log(
             if topic not in there:
                 raise _no_topic(path, topic, there)
         found = [topic for topic in (*own, orders) if topic in there]
-        if not found:
+        if not found or (own and found == [orders]):
             raise AnalysisError(
                 f"{path}: there is none of the topics {', '.join(own)}; say which topic has the readings of which "
                 f"sensor with topics=, as {{'laser': '/scan'}}. It has: {_listed(there)}"

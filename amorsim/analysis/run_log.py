@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from amorsim.analysis.files import RunFiles
 from amorsim.analysis.own_columns import own_commands, own_readings
+from amorsim.core.errors import AnalysisError
 from amorsim.scenario.spec import Robot
 
 __all__ = ["LogEntry", "entries_of_run"]
@@ -38,9 +39,18 @@ def entries_of_run(folder: Path, robot: Robot, replica: int | None) -> Iterator[
     ------
     RunError
         If the folder is none of a run, a file is damaged, or the run has no such robot or replica.
+    AnalysisError
+        If the run has not written the readings of a sensor that the robot had.
     """
     files = RunFiles(folder)
     commands, given = own_commands(files, robot, replica)
+    own = next(each for each in files.scenario.robots if each.name == robot.name)
+    unwritten = [name for name in robot.sensors if name in own.sensors and name not in files.sensors]
+    if unwritten:
+        raise AnalysisError(
+            f"{folder}: the readings of {', '.join(unwritten)} were not written; to write them, also of more than 32 "
+            "replicas, run it again with recording.sensors = 'all'"
+        )
     times = commands["time"].tolist()
     entries = {
         time: LogEntry(time, {}, command if step else None, {})

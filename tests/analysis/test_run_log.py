@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import amorsim as am
-from amorsim.analysis import RunFiles, read_log
+from amorsim.analysis import RunFiles, export_run, read_log
 
 DIGIT = 1e-6  # [m, rad] files of a run have six digits
 CHANGES = ["robots.rover.sensors.compass.rate=5.0", "robots.rover.sensors.compass.latency=0.1"]
@@ -71,3 +71,23 @@ def test_mistakes_are_named(run: Path) -> None:
         read_log(run, robot, command="/cmd_vel")
     with pytest.raises(am.AnalysisError, match="is not the folder of a run"):
         read_log(run / "none.mcap", robot, replica=0)
+
+
+def test_a_run_without_its_readings_is_no_log_of_a_robot_that_stood(tmp_path: Path) -> None:
+    scenario = am.load("landmarks", ["recording.sensors='none'"])
+    am.run(scenario, tmp_path / "run", duration=0.5)
+    with pytest.raises(
+        am.AnalysisError, match=r"readings of .*encoder.* were not written; .*recording.sensors = 'all'"
+    ):
+        list(read_log(tmp_path / "run", scenario.robots[0]))
+
+
+@pytest.mark.parametrize("kind", ["rosbag", "mcap"])
+def test_nor_is_a_recording_of_it(kind: str, tmp_path: Path) -> None:
+    pytest.importorskip({"rosbag": "rosbags", "mcap": "mcap"}[kind])
+    scenario = am.load("landmarks", ["recording.sensors='none'"])
+    am.run(scenario, tmp_path / "run", duration=0.5)
+    (path,) = export_run(tmp_path / "run", kind, tmp_path / "export")
+    with pytest.raises(am.AnalysisError, match=r"there is none of the topics /rover/.*encoder"):
+        list(read_log(path, scenario.robots[0]))
+    assert len(list(read_log(path, scenario.robots[0], topics={}))) == 5  # commands alone
