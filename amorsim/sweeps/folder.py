@@ -98,7 +98,7 @@ class StudyFolder:
                 "belong together. Take back the change, or name another folder with --out"
             )
         now = circumstances()
-        for key in ("amorsim", "python", "packages", "processor"):
+        for key in ("amorsim", "python", "packages", "plugins", "processor"):
             if self.about.get(key) != now[key]:
                 raise StudyError(
                     f"{self.path}: this study was begun with another version: {key} was {_shown(self.about.get(key))} "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -71,3 +72,13 @@ def test_a_map_that_many_values_of_an_axis_name_is_read_once_to_begin_a_study(
     monkeypatch.setattr(folder, "load", counted)
     folder.inputs_of(plan, load(plan.scenario))
     assert len(read) == 1
+
+
+def test_a_study_is_refused_with_another_version_of_a_plugin(tmp_path: Path) -> None:
+    given = tables(tmp_path / "s")
+    am.sweep(given, tmp_path / "out")
+    file = tmp_path / "out" / "study.json"
+    about = json.loads(file.read_text())
+    file.write_text(json.dumps(about | {"plugins": about["plugins"] | {"amorsim-mine": "0.1"}}))
+    with pytest.raises(am.StudyError, match=r"plugins was .*amorsim-mine 0\.1 and is "):
+        am.sweep(given, tmp_path / "out")
