@@ -104,7 +104,12 @@ def _tables(files: RunFiles, folder: Path) -> list[Path]:
             continue
         path = folder / f"{name}.parquet"
         path.parent.mkdir(exist_ok=True)
+        # Texts are texts in a table without a line too, so that the tables of several runs fit together.
+        columns = {
+            key: pyarrow.array(values, pyarrow.string() if values.dtype == object else None)
+            for key, values in files.table(name, replica="all").items()
+        }
         with replacing(path) as new:
-            parquet.write_table(pyarrow.table(dict(files.table(name, replica="all"))), new)
+            parquet.write_table(pyarrow.table(columns), new)
         made.append(path)
     return made

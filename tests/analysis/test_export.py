@@ -59,6 +59,17 @@ def test_tables_are_read_back(run: Path, tmp_path: Path) -> None:
     assert tmp_path / "sensors" / "laser.parquet" in made
 
 
+def test_tables_of_runs_with_and_without_events_have_the_same_columns(tmp_path: Path) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet")
+    schemas = []
+    for name, kidnappings in (("quiet", "[]"), ("kidnapped", "[{ time = 0.5, x = 1.4, y = 8.0 }]")):
+        scenario = am.load("demo", [f"robots.rover.kidnappings={kidnappings}"])
+        am.run(scenario, tmp_path / name, duration=1.0)
+        export_run(tmp_path / name, "parquet", tmp_path / f"{name}-tables")
+        schemas.append(parquet.read_schema(tmp_path / f"{name}-tables" / "events.parquet"))
+    assert schemas[0].equals(schemas[1])
+
+
 def test_tables_are_read_back_by_polars(run: Path, tmp_path: Path) -> None:
     polars = pytest.importorskip("polars")
     pytest.importorskip("pyarrow")
