@@ -11,6 +11,7 @@ from amorsim.analysis.trajectory import Trajectory, run_trajectories, write_csv,
 from amorsim.core.arguments import path_of
 from amorsim.core.errors import AnalysisError, RunError
 from amorsim.core.whole_files import replacing
+from amorsim.runs.folder import tables_of
 
 __all__ = ["FORMATS", "export_run"]
 
@@ -98,10 +99,8 @@ def _tables(files: RunFiles, folder: Path) -> list[Path]:
     except ModuleNotFoundError:
         raise AnalysisError('Parquet needs pyarrow: python -m pip install "amorsim[sweep]"') from None
     made = []
-    for file in sorted((*files.folder.glob("*.csv"), *files.folder.glob("*/*.csv"))):
+    for file in tables_of(files.folder):
         name = file.relative_to(files.folder).with_suffix("").as_posix()
-        if name.partition("/")[0] in ("export", "plots"):
-            continue
         path = folder / f"{name}.parquet"
         path.parent.mkdir(exist_ok=True)
         # Texts are texts in a table without a line too, so that the tables of several runs fit together.

@@ -29,11 +29,14 @@ __all__ = [
     "last_time",
     "new_folder",
     "next_folder",
+    "tables_of",
 ]
 
 FORMAT = 1
 RUNS = "amorsim-runs"  # where folders go that nobody named
 ABOUT = "run.json"
+_TABLES = ("poses", "velocities", "commands", "events", "obstacles", "parts")
+_PLACES = ("sensors", "estimates", "beliefs")  # folders of further tables
 CLAIM = ".amorsim-claim"  # a folder that exists while a run claims the folder around it
 ROOM = ".amorsim-room"  # a file that reserves space until a run ends: on a full disk, the last run.json replaces it
 _LONGEST_LINE = 1 << 20  # bytes
@@ -203,14 +206,21 @@ class RunFolder:
         self.write_about(about)
 
 
+def tables_of(folder: Path) -> list[Path]:
+    """The text files of results in a run's folder; others there, as of a track, are copies of what it was given."""
+    own = (folder / f"{name}.csv" for name in _TABLES)
+    more = (path for place in _PLACES for path in (folder / place).glob("*.csv"))
+    return sorted(path for path in (*own, *more) if path.is_file())
+
+
 def last_time(folder: Path) -> float:
     """The time [s] up to which all of a run's tables have lines, except tables of occasional things.
 
     0 if one has none. A slow sensor's table ends before the others, even if it is complete.
     """
     times = []
-    for path in (*folder.glob("*.csv"), *folder.glob("sensors/*.csv"), *folder.glob("estimates/*.csv")):
-        if path.name in ("events.csv", "obstacles.csv"):
+    for path in tables_of(folder):
+        if path.name in ("events.csv", "obstacles.csv") or path.parent.name == "beliefs":
             continue
         try:
             with path.open("rb") as file:
