@@ -14,6 +14,7 @@ from amorsim.contracts import Metric
 from amorsim.core.arguments import path_of
 from amorsim.core.errors import DocumentError, ScenarioError, StudyError, did_you_mean
 from amorsim.core.parameters import ParameterError, check_value, describe
+from amorsim.core.reading import is_file
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.contents import book_of
@@ -292,7 +293,7 @@ def _identity(label: Any) -> str:
 
 
 def _anchored(value: Any, folder: Path, files: list[str]) -> Any:
-    """A value with the whole paths of files that it names next to the study's file."""
+    """A value with the whole paths of files that it names next to the study's file, or else in the present folder."""
     if isinstance(value, dict):
         return {key: _anchored(item, folder, files) for key, item in value.items()}
     if isinstance(value, list):
@@ -300,15 +301,12 @@ def _anchored(value: Any, folder: Path, files: list[str]) -> Any:
     if not isinstance(value, str) or not value:
         return value
     name, colon, rest = value.partition(".py:")
-    path = folder / (f"{name}.py" if colon else value)
-    try:
-        is_file = path.suffix != "" and path.is_file()
-    except (OSError, ValueError):
-        return value
-    if not is_file:
-        return value
-    files.append(str(path))
-    return f"{path}:{rest}" if colon else str(path)
+    for place in (folder, Path.cwd()):  # where a path starts that is set from the command line
+        path = place / (f"{name}.py" if colon else value)
+        if path.suffix != "" and is_file(path):
+            files.append(str(path))
+            return f"{path}:{rest}" if colon else str(path)
+    return value
 
 
 # ------------------------------------------------------------------------------------------------------------- metrics

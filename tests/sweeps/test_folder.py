@@ -13,7 +13,7 @@ import amorsim as am
 from amorsim.scenario.read import load
 from amorsim.sweeps import folder
 from amorsim.sweeps.read import read_plan
-from tests.sweeps.studies import tables
+from tests.sweeps.studies import study_file, tables
 
 MAP = "image: {image}\nresolution: 0.5\norigin: [0.0, 0.0, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.2\n"
 PROGRAM = """\
@@ -54,6 +54,23 @@ def test_a_study_whose_axis_names_a_program_is_refused_when_a_file_that_it_impor
     (tmp_path / "s" / "swept_helper.py").write_text("SPEED = 0.3\n")
     with pytest.raises(am.StudyError, match=r"begun with another swept_helper\.py of controller = own;"):
         am.sweep(given, tmp_path / "out")
+
+
+def test_a_file_in_the_present_folder_belongs_to_the_study_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    given = tables(tmp_path / "s", axes={"world.map": ["own.wld"]})
+    here = tmp_path / "here"
+    here.mkdir()
+    rooms = (tmp_path / "s" / "rooms.wld").read_text()
+    (here / "own.wld").write_text(rooms)
+    monkeypatch.chdir(here)
+    study = study_file(tmp_path / "s" / "study.toml", given)
+    assert not any(am.sweep(study, tmp_path / "out")["error"])
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(am.StudyError, match=r"no value of this axis can be set: .*own\.wld"):
+        am.sweep(study, tmp_path / "out")
+    (tmp_path / "own.wld").write_text(rooms)
+    with pytest.raises(am.StudyError, match=r"begun with another .*own\.wld"):
+        am.sweep(study, tmp_path / "out")
 
 
 def test_a_map_that_many_values_of_an_axis_name_is_read_once_to_begin_a_study(
