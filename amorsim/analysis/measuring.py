@@ -12,11 +12,13 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.analysis.files import RunFiles
+from amorsim.analysis.own_columns import own_commands
 from amorsim.contracts import Episode, Metric
 from amorsim.core.arguments import check_kind
 from amorsim.core.errors import AnalysisError
 from amorsim.core.map import Map
 from amorsim.scenario.spec import Robot
+from amorsim.simulation.alike import channels_of
 from amorsim.simulation.events import Event
 from amorsim.worlds.drawn import map_of, origin_of
 
@@ -108,10 +110,21 @@ def _read(files: RunFiles, name: str, specified: Robot) -> npt.NDArray[Any]:
     if name == "true_twist":
         return files.arrays("velocities", robot=robot)["true_twist"]
     if name == "command":
-        return files.arrays("commands", robot=robot)["command"]
+        return _commands(files, specified)
     if name == "part_pose":
         return _part_poses(files, specified)
     raise AnalysisError(f"{files.folder}: the files of this run do not hold {name!r}, which the metric needs")
+
+
+def _commands(files: RunFiles, robot: Robot) -> Array:
+    """A robot's commands `(S, R, channels)`, as a simulation keeps them: its own channels first, then nan."""
+    found = [own_commands(files, robot, replica)[1] for replica in files.replicas]
+    steps = min(map(len, found))
+    most = max(len(channels_of(each)) for each in files.scenario.robots)
+    commands = np.full((steps, len(found), most), np.nan)
+    for row, own in enumerate(found):
+        commands[:, row, : own.shape[1]] = own[:steps]
+    return commands
 
 
 def _part_poses(files: RunFiles, robot: Robot) -> Array:

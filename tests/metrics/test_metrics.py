@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 import amorsim as am
-from amorsim.analysis import measure, run_nees, run_nis
+from amorsim.analysis import RunFiles, measure, run_nees, run_nis
+from amorsim.analysis.measuring import episode_of
 from amorsim.core.starts import wall_gaps
 from amorsim.metrics import (
     ArrivalTime,
@@ -235,3 +236,14 @@ def test_metrics_of_files_are_those_of_the_simulation(tmp_path: Path) -> None:
     assert nis.at(5.0).count <= 3 * nis.values.shape[2]
     with pytest.raises(am.AnalysisError, match=r"do not hold 'beliefs.nobody.gps_nis'"):
         measure(tmp_path / "run", Nis(estimator="nobody", source="gps"))
+
+
+def test_commands_of_a_mixed_fleet_are_the_same_in_files_and_in_a_simulation(tmp_path: Path) -> None:
+    scenario = am.load("convoy")
+    am.run(scenario, tmp_path / "run", duration=0.5, replicas=2)
+    simulation = am.Simulation(scenario, replicas=2)
+    kept = simulation.run(0.5, keep=("command",))["command"]
+    files = RunFiles(tmp_path / "run")
+    for place, name in enumerate(simulation.names):
+        found = episode_of(files, ("command",), robot=name).kept["command"]
+        assert np.array_equal(found[1:], kept[:, place :: len(simulation.names)], equal_nan=True)
