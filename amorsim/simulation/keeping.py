@@ -47,7 +47,8 @@ class Keeper:
     ``command``                 (S, N, channels)
     ``part_pose``               (S, N, parts, 3) true, of each robot's parts such as trailers [m, m, rad]
     ``active``                  (S, N), whether the controller has not ended; ``by_hand``, ``touching`` too
-    ``readings.NAME``           (S, N, values) as measured; ``readings.NAME.true``, ``.stamp``, ``.age``, ``.fresh``
+    ``readings.NAME``           (S, N, values) as measured; ``readings.NAME.true``; (S, N, 1) ``.stamp`` [steps],
+                                ``.age`` [s], ``.fresh``
     ``estimates.NAME.pose``     (S, N, 3); ``estimates.NAME.covariance`` (S, N, 3, 3)
     ``beliefs.NAME.BELIEF``     (S, N, ...)
     ==========================  =========================================================================

@@ -166,9 +166,9 @@ class Simulation:
             Quantities to return, by name: arrays ``(steps, N, ...)`` of the values after each step, with rows as those
             of `true_pose`. Names are ``true_pose``, ``estimated_pose``, ``covariance``, ``true_twist``,
             ``joint_rates``, ``command``, ``active``, ``by_hand``, ``touching``; ``part_pose``, which is ``(steps, N,
-            parts, 3)``; ``readings.NAME``, which is what was measured, or ``readings.NAME.true``, ``.stamp``, ``.age``,
-            ``.fresh``; ``estimates.NAME.pose`` and ``.covariance``; ``beliefs.NAME.BELIEF``. What a robot does not
-            have, and another has, is nan.
+            parts, 3)``; ``readings.NAME``, which is what was measured, or ``readings.NAME.true``, ``.stamp`` [steps],
+            ``.age`` [s], ``.fresh``; ``estimates.NAME.pose`` and ``.covariance``; ``beliefs.NAME.BELIEF``. What a robot
+            does not have, and another has, is nan.
 
         Raises
         ------
