@@ -123,9 +123,10 @@ class StudyFolder:
             file.unlink(missing_ok=True)
 
     def run_folder(self, index: int) -> Path:
-        """The folder of a run that is kept."""
+        """The folder of a run that is kept; its name has the seed, if the study names seeds."""
         chunk = self._plan.chunk(index)
-        return self.path / "runs" / f"point-{chunk.point:06d}-seed-{max(chunk.seed, 0)}"
+        seed = f"-seed-{chunk.seed}" if chunk.seed >= 0 else ""
+        return self.path / "runs" / f"point-{chunk.point:06d}{seed}"
 
     def missing(self, kept: Collection[int]) -> list[int]:
         """The chunks that are not done; and of the points of `kept` those that have left no folder of their run.

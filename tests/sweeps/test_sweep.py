@@ -287,14 +287,14 @@ def test_runs_are_kept_of_what_was_done_without(tmp_path: Path) -> None:
     again = am.sweep(given, tmp_path / "out", keep="all", progress=lambda now: counts.append(now.total - now.done))
     assert same(first, again)
     assert counts == [2, 1, 0]  # the point that fails leaves no folder, and is not tried again
-    assert sorted(folder.name for folder in runs.iterdir()) == ["point-000000-seed-0", "point-000002-seed-0"]
+    assert sorted(folder.name for folder in runs.iterdir()) == ["point-000000", "point-000002"]
     counts.clear()
     # A run that was broken off is none.
-    (runs / "point-000002-seed-0" / "run.json").write_text("{")
+    (runs / "point-000002" / "run.json").write_text("{")
     am.sweep(given, tmp_path / "out", keep=[0], progress=lambda now: counts.append(now.total - now.done))
     am.sweep(given, tmp_path / "out", keep=[2], progress=lambda now: counts.append(now.total - now.done))
     assert counts == [0, 1, 0]
-    assert am.reproduce(runs / "point-000002-seed-0").is_exact
+    assert am.reproduce(runs / "point-000002").is_exact
 
 
 @pytest.mark.parametrize(
