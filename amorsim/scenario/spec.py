@@ -19,6 +19,7 @@ import numpy.typing as npt
 from amorsim.contracts import Controller, Drive, Estimator, Motion, Mount, Noise, Recorder, Sensor, parameter
 from amorsim.controllers.user import UserController
 from amorsim.core.distributions import Distribution
+from amorsim.core.errors import ComponentError
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError, check_value, describe
 from amorsim.core.shapes import Shape
@@ -31,6 +32,7 @@ from amorsim.scenario.initial_belief import InitialBelief
 from amorsim.scenario.kidnapping import Kidnapping
 from amorsim.scenario.kinds import by_name, check_colour, is_a, many
 from amorsim.scenario.knowledge import Knowledge
+from amorsim.scenario.places import first_place
 from amorsim.scenario.pose import Pose
 from amorsim.scenario.random_start import RandomStart
 
@@ -297,7 +299,10 @@ class Obstacle:
 
     @pose.default
     def _begin(self) -> Pose:
-        place = None if self.motion is None else self.motion.default_start()
+        try:
+            place = None if self.motion is None else first_place(self.motion)
+        except ComponentError as error:
+            raise ParameterError("motion", f"{type(self.motion).__name__}: {error}") from error.__cause__
         return Pose() if place is None else Pose(x=place[0], y=place[1], heading=place[2])
 
     def __attrs_post_init__(self) -> None:

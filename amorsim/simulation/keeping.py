@@ -13,7 +13,7 @@ from amorsim.core.arguments import texts
 from amorsim.core.errors import AmorsimError, did_you_mean
 from amorsim.core.memory import too_large
 
-__all__ = ["Keeper"]
+__all__ = ["Keeper", "quantity_problem"]
 
 Array = npt.NDArray[Any]
 Pick = Callable[[Frame], Array | None]
@@ -155,10 +155,20 @@ def _pick(simulation: Simulated, name: str) -> Pick:
             known = {belief for frame in frames for belief in frame.beliefs.get(whose, {})}
             _expect(name, what, known, "belief")
         return lambda frame: _belief(frame.beliefs, whose, what)
+    raise AmorsimError(f"keep: {quantity_problem(name)}")
+
+
+def quantity_problem(name: str) -> str:
+    """The fault of a name that no quantity of any robot has; empty if some robot may have it."""
+    kind, _, rest = name.partition(".")
+    whose, _, what = rest.partition(".")
+    dotted = {"readings": _OF_READING, "estimates": _OF_ESTIMATE, "beliefs": (what,)}
+    if name in (*_OWN, *_OF_FRAME):
+        return ""
+    if whose and kind in dotted and (what or "measured") in dotted[kind]:
+        return ""
     known = {*_OWN, *_OF_FRAME, "readings.NAME", "estimates.NAME.pose", "beliefs.NAME.BELIEF"}
-    raise AmorsimError(
-        f"keep: there is no quantity {name!r}, but: {', '.join(sorted(known))}.{did_you_mean(name, known)}"
-    )
+    return f"there is no quantity {name!r}, but: {', '.join(sorted(known))}.{did_you_mean(name, known)}"
 
 
 def _expect(name: str, part: str, known: Iterable[str], what: str) -> None:

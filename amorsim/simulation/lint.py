@@ -13,9 +13,9 @@ from amorsim.contracts import Controller, Motion
 from amorsim.core.errors import ComponentError, MapError
 from amorsim.core.map import Map
 from amorsim.core.starts import out_of_reach
-from amorsim.core.trouble import RAISED, error_in_words
 from amorsim.core.ways import shut_off
 from amorsim.scenario.paths import changed
+from amorsim.scenario.places import goals_of
 from amorsim.scenario.spec import Obstacle, Robot, Scenario
 from amorsim.scenario.worlds import start_of
 from amorsim.worlds.drawn import map_of, origin_of
@@ -117,10 +117,9 @@ def _unreachable(scenario: Scenario) -> list[str]:
     ]
     for path, component, body in bodies:
         try:
-            places = [] if component is None or id(component) in asked else list(component.goal_points())
-        except RAISED as error:
-            what = f"{path} ({type(component).__name__})"
-            raise ComponentError(f"{what}: goal_points() raised {error_in_words(error)}") from error
+            places = [] if component is None or id(component) in asked else goals_of(component)
+        except ComponentError as error:
+            raise ComponentError(f"{path} ({type(component).__name__}): {error}") from error.__cause__
         asked.add(id(component))
         if not places:
             continue

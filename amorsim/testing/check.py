@@ -31,6 +31,7 @@ from amorsim.core.parameters import describe
 from amorsim.core.rows import stack
 from amorsim.core.trouble import RAISED, error_in_words
 from amorsim.plugins.checks import check_class
+from amorsim.scenario.places import first_place, goals_of
 from amorsim.scenario.spec import Scenario
 from amorsim.testing.drive import DriveTrial
 from amorsim.testing.failure import Who
@@ -166,9 +167,21 @@ def check_component(
         others = ControllerTrial(who, rig)
     else:
         others = MotionTrial(who, rig)
+    if isinstance(component, (Controller, Motion)):
+        _check_places(who, component)
     record = try_rows(others, kin)
     if isinstance(component, Sensor):
         _check_change(who, record)
+
+
+def _check_places(who: Who, component: Controller | Motion) -> None:
+    """The place where a body starts, and those that it goes to, are places."""
+    try:
+        if isinstance(component, Motion):
+            first_place(component)
+        goals_of(component)
+    except ComponentError as error:
+        who.fail("places", str(error).replace(", got ", ", found ", 1))
 
 
 def _check_change(who: Who, record: Record) -> None:

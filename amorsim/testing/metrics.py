@@ -12,6 +12,7 @@ from amorsim.core.map import Map
 from amorsim.core.poses import compose
 from amorsim.core.shapes import Shape
 from amorsim.simulation.events import Event
+from amorsim.simulation.keeping import quantity_problem
 from amorsim.testing.failure import Who, array_in_words
 
 __all__ = ["check_metric"]
@@ -28,6 +29,9 @@ def check_metric(who: Who, metric: Metric) -> None:
         needs = metric.needs()
     are_texts = isinstance(needs, (tuple, list)) and all(isinstance(name, str) for name in needs)
     require(are_texts, "needs", "needs()", "names of quantities", repr(needs))
+    for name in needs:
+        problem = quantity_problem(name)
+        require(not problem, "needs", "needs()", "names of quantities", problem)
     episode = _episode(needs)
     before = {name: array.tobytes() for name, array in episode.kept.items()}
     values = _measured(who, metric, episode)

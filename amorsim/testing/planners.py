@@ -10,8 +10,9 @@ import numpy as np
 from amorsim.contracts import Plan, Planner
 from amorsim.core.errors import PlanError
 from amorsim.core.map import Map
+from amorsim.core.numbers import is_number
 from amorsim.core.shapes import Shape
-from amorsim.core.trouble import RAISED, error_in_words
+from amorsim.core.trouble import RAISED, error_in_words, in_words
 from amorsim.testing.failure import Who, array_in_words
 
 __all__ = ["check_planner"]
@@ -77,19 +78,22 @@ def _plan(
     who.require(isinstance(plan, Plan), "plan", "plan()", "a Plan", type(plan).__name__)
     who.require(plan.status in _STATUSES, "plan", "Plan.status", f"one of {', '.join(_STATUSES)}", repr(plan.status))
     is_found = plan.status == "found"
-    for name, wide in (("poses", 3), ("searched", 2)):
+    for name, wide in (("poses", 3), ("searched", 2), ("links", 4), ("trailer", 3)):
         array = getattr(plan, name)
-        fits = isinstance(array, np.ndarray) and array.dtype == np.float64 and array.shape == (len(array), wide)
+        fits = isinstance(array, np.ndarray) and array.dtype == np.float64 and array.shape[1:] == (wide,)
         who.require(fits, "plan", f"Plan.{name}", f"float64 (M, {wide})", array_in_words(array))
         who.require(np.isfinite(array).all(), "plan", f"Plan.{name}", "finite numbers", "others")
     who.require(
         (len(plan.poses) > 0) == is_found, "plan", f"poses of a plan {plan.status}", "a path if found", plan.poses
     )
+    trailers = len(plan.trailer)
+    who.require(trailers in (0, len(plan.poses)), "plan", "Plan.trailer", "none, or one for each pose", trailers)
     for name in ("length", "cost"):
         value = getattr(plan, name)
-        fits = 0.0 <= value < math.inf if is_found else value == math.inf
+        fits = is_number(value) and (0.0 <= value < math.inf if is_found else value == math.inf)
         who.require(fits, "plan", f"Plan.{name} of a plan {plan.status}", "0 or more; inf without a path", value)
-    who.require(bool(plan.message) is not is_found, "plan", "Plan.message", "why there is no path", repr(plan.message))
+    fits = isinstance(plan.message, str) and bool(plan.message) is not is_found
+    who.require(fits, "plan", "Plan.message", "why there is no path", in_words(plan.message))
     return plan
 
 

@@ -787,7 +787,90 @@ class ColumnInCentimetres(Range):
         return {"range": "cm"}
 
 
+@frozen
+class StartsInPlane(Slide):
+    def default_start(self) -> tuple[float, float, float]:
+        return 1.0, 2.0  # type: ignore[return-value]
+
+
+@frozen
+class StartsLost(Slide):
+    def default_start(self) -> tuple[float, float, float]:
+        return 1.0, 2.0, float("nan")
+
+
+@frozen
+class GoesWithoutField(Slide):
+    def goal_points(self) -> Sequence[tuple[str, float, float]]:
+        return [(1.0, 2.0)]  # type: ignore[list-item]
+
+
+@frozen
+class GoesToWords(Ahead):
+    def goal_points(self) -> Sequence[tuple[str, float, float]]:
+        return [("x", "y", 0.0)]  # type: ignore[list-item]
+
+
+@frozen
+class NeedsUnknown(am.Metric):
+    unit: ClassVar[str] = "m"
+    better: ClassVar[str] = "lower"
+
+    def needs(self) -> Sequence[str]:
+        return ("true_poses",)
+
+    def measure(self, episode: am.Episode) -> Array:
+        return np.zeros(len(episode.replicas))
+
+
+class Replans(am.Planner):
+    """A* with a plan that is changed."""
+
+    changes: ClassVar[dict[str, Any]] = {}
+
+    def plan(
+        self, world: Map, start: Sequence[float], goal: Sequence[float], *, footprint: am.Shape | None = None
+    ) -> am.Plan:
+        found = am.planners.AStar().plan(world, start, goal, footprint=footprint)
+        return attrs.evolve(found, **self.changes) if found.status == "found" else found
+
+
+@frozen
+class OnePose(Replans):
+    changes: ClassVar[dict[str, Any]] = {"poses": np.array(1.0)}
+
+
+@frozen
+class LengthInWords(Replans):
+    changes: ClassVar[dict[str, Any]] = {"length": "long"}
+
+
+@frozen
+class LinksInPairs(Replans):
+    changes: ClassVar[dict[str, Any]] = {"links": np.zeros((3, 2))}
+
+
+@frozen
+class OneTrailer(Replans):
+    changes: ClassVar[dict[str, Any]] = {"trailer": np.zeros((1, 3))}
+
+
+@frozen
+class NoMessage(Replans):
+    changes: ClassVar[dict[str, Any]] = {"message": None}
+
+
 BROKEN = {
+    StartsInPlane: "places",
+    StartsLost: "places",
+    GoesWithoutField: "places",
+    GoesToWords: "places",
+    NeedsUnknown: "needs",
+    OnePose: "plan",
+    LengthInWords: "plan",
+    LinksInPairs: "plan",
+    OneTrailer: "plan",
+    NoMessage: "plan",
     OneStep: "steps",
     FlatCalls: "emit",
     ReadsDegrees: "unit",
