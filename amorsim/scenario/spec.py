@@ -35,6 +35,7 @@ from amorsim.scenario.knowledge import Knowledge
 from amorsim.scenario.places import first_place
 from amorsim.scenario.pose import Pose
 from amorsim.scenario.random_start import RandomStart
+from amorsim.scenario.surroundings import Landmark, Light
 
 __all__ = [
     "Deviation",
@@ -139,32 +140,6 @@ class MountedSensor:
             problem = column_problem(self.sensor, type(element.noise), element.column)
             if problem:
                 raise ParameterError("noise", f"{element.name}: column: {problem}")
-
-
-@attrs.frozen(kw_only=True)
-class Landmark:
-    """A mark that can be recognised: a disc that nothing touches, and that hides nothing."""
-
-    id: int = parameter(ge=1, le=2**31 - 1, help="what is written on it")
-    x: float = parameter(0.0, unit="m", frame="world", help="to the right in the world")
-    y: float = parameter(0.0, unit="m", frame="world", help="up in the world")
-    radius: float = parameter(
-        0.05, unit="m", ge=0, le=100, help="of the disc: it is in sight if the line of sight comes so near to its place"
-    )
-    height: float = parameter(0.3, unit="m", gt=0, help="above the ground, to its top; for cameras")
-    colour: str | None = parameter(None, help="a name of CSS or '#rrggbb', for cameras and pictures")
-
-    def __attrs_post_init__(self) -> None:
-        check_colour(self.colour)
-
-
-@attrs.frozen(kw_only=True)
-class Light:
-    """A lamp that shines equally in all directions. Walls and bodies block its light; the lamp blocks none."""
-
-    x: float = parameter(0.0, unit="m", frame="world", help="to the right in the world")
-    y: float = parameter(0.0, unit="m", frame="world", help="up in the world")
-    intensity: float = parameter(1.0, unit="cd", ge=0, help="how much it shines")
 
 
 def _mounted(sensors: Mapping[str, Sensor | MountedSensor]) -> dict[str, MountedSensor]:
