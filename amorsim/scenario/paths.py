@@ -16,13 +16,15 @@ __all__ = ["changed", "with_value"]
 
 Change = Callable[[Any], Any]
 _NUMBERS = ("scale", "add", "value")  # of a deviation
+_LIVE = ("drive", "ground", "sensors", "estimators", "controller", "pose")  # of a robot
 
 
 def with_value(robot: Robot, path: str, value: Any) -> Robot:
     """The robot with another value at `path`, which may change while a simulation runs.
 
     Besides the paths of parameters, ``errors.<path>`` takes a `Deviation` or a table of its fields, and
-    ``errors.<path>.scale`` (``.add``, ``.value``) one of them. None at ``errors.<path>`` takes the error away.
+    ``errors.<path>.scale`` (``.add``, ``.value``) one of them; a value takes the place of scale and add. None at
+    ``errors.<path>`` takes the error away.
 
     Raises
     ------
@@ -35,6 +37,8 @@ def with_value(robot: Robot, path: str, value: Any) -> Robot:
         raise LookupError(f"expected a path, as 'drive.track', got {in_words(path)}")  # noqa: TRY004 - of what leads nowhere
     parts = path.split(".")
     if parts[0] != "errors":
+        if parts[0] not in _LIVE and parts[0] in attrs.fields_dict(Robot):
+            raise LookupError(f"{parts[0]!r} of a robot is fixed once a simulation is made")
         return changed(robot, parts, lambda _: value, live=True)  # type: ignore[no-any-return]
     if value is None and parts[-1] not in _NUMBERS:
         target = ".".join(parts[1:])
@@ -50,7 +54,9 @@ def with_value(robot: Robot, path: str, value: Any) -> Robot:
                 f"expected a path that ends with one of {', '.join(_NUMBERS)}, as in errors.drive.track.scale, or a "
                 f"table of these, got {in_words(value)}.{did_you_mean(field, _NUMBERS)}"
             )
-        deviation = attrs.evolve(robot.errors.get(target, Deviation()), **{field: value})
+        before = robot.errors.get(target, Deviation())
+        is_instead = field == "value" and value is not None  # of scale and add
+        deviation = Deviation(value=value, per=before.per) if is_instead else attrs.evolve(before, **{field: value})
     changed(robot, target.split("."), lambda nominal: nominal, live=True)  # the path must lead somewhere
     return attrs.evolve(robot, errors={**robot.errors, target: deviation})
 

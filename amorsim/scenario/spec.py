@@ -87,6 +87,12 @@ class Deviation:
     value: Number | None = attrs.field(default=None, validator=_check_number)
     per: str = parameter("replica", choices=("replica", "study"), help="who draws: each replica, or the study once")
 
+    def __attrs_post_init__(self) -> None:
+        if self.value is not None and (self.scale, self.add) != (1.0, 0.0):
+            raise ParameterError(
+                "value", "expected either value, or scale and add: value takes the place of the nominal one"
+            )
+
 
 @attrs.frozen(kw_only=True)
 class NoiseElement:

@@ -169,6 +169,43 @@ def test_what_fixes_shapes_or_is_no_number_refuses_and_says_why() -> None:
     assert not sim.events
 
 
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        ("fiducial", 7),
+        ("height", 0.9),
+        ("kidnappings.0.time", 0.5),
+        ("initial_belief.std", 0.2),
+        ("knowledge.landmarks.0.0", 1.0),
+    ],
+)
+def test_what_a_robot_is_made_with_is_fixed(path: str, value: float) -> None:
+    robot = building.robot(
+        kidnappings=[am.Kidnapping(time=1.0, x=4.0, y=3.0)],
+        initial_belief=am.InitialBelief(kind="gaussian", std=0.1),
+        knowledge=am.Knowledge(landmarks=[(1.0, 2.0)]),
+    )
+    sim = am.Simulation(building.scenario(robot))
+    words = f"'{path.partition('.')[0]}' of a robot is fixed once a simulation is made"
+    with pytest.raises(am.AmorsimError, match=words):
+        sim.set("rover", path, value)
+    assert not sim.events
+
+
+def test_a_value_of_an_error_takes_the_place_of_its_scale_which_is_refused_then() -> None:
+    sim = am.Simulation(building.scenario(building.robot(errors={"drive.track": am.Deviation(scale=1.1)})))
+    sim.set("rover", "errors.drive.track.value", 0.4)
+    assert sim.robot("rover").true.drive.track == 0.4
+    with pytest.raises(am.AmorsimError, match="expected either value, or scale and add"):
+        sim.set("rover", "errors.drive.track.scale", 1.2)
+    with pytest.raises(am.AmorsimError, match="expected either value, or scale and add"):
+        sim.set("rover", "errors.drive.track", {"scale": 1.2, "value": 0.4})
+    assert sim.robot("rover").true.drive.track == 0.4
+    sim.set("rover", "errors.drive.track.value", None)
+    sim.set("rover", "errors.drive.track.scale", 1.2)
+    assert sim.robot("rover").true.drive.track == building.TRACK * 1.2
+
+
 def test_a_value_out_of_bounds_is_refused_and_nothing_changes() -> None:
     robot = everything()
     sim = am.Simulation(building.scenario(robot))
