@@ -50,15 +50,23 @@ def _jacobian(drive: Drive, before: Array, after: Array, rolling: npt.NDArray[np
     offered: Any = getattr(drive, "jacobian", None)
     if offered is not None:
         return np.ascontiguousarray(offered(before, after))
-    middle = 0.5 * (before + after)
-    out = np.empty((len(middle), 3, len(rolling)))
+    return jacobian_at(drive, 0.5 * (before + after), rolling, radius)
+
+
+def jacobian_at(drive: Drive, joints: Array, rolling: npt.NDArray[np.int64], radius: Array) -> Array:
+    """The body's motion (forward, left, turn) per metre of travel of each rolling joint `(N, 3, r)`, by displacements.
+
+    It turns each joint a little from `joints` `(N, j)`; `rolling` `(r,)` are those that roll, `radius` `(N, r)` [m/rad]
+    is theirs.
+    """
+    out = np.empty((len(joints), 3, len(rolling)))
     for j, joint in enumerate(rolling):
-        back, ahead = middle.copy(), middle.copy()
+        back, ahead = joints.copy(), joints.copy()
         back[:, joint] -= _NUDGE
         ahead[:, joint] += _NUDGE
-        one = _whole(len(middle))
-        # Both start from the middle and are given in its frame, so the errors of first order cancel.
-        moved = drive.displacement(middle, ahead, one) - drive.displacement(middle, back, one)
+        one = _whole(len(joints))
+        # Both start from the same joints and are given in their frame, so the errors of first order cancel.
+        moved = drive.displacement(joints, ahead, one) - drive.displacement(joints, back, one)
         out[:, :, j] = moved / (2.0 * _NUDGE * radius[:, j : j + 1])
     return out
 

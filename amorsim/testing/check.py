@@ -149,6 +149,7 @@ def check_component(
         trial = DriveTrial(who, _plain_rig(), component, kin)
         try_rows(trial, kin)
         trial.check_paths(kin)
+        trial.check_jacobian(kin)
         trial.check_inverse(kin)
         return
     is_plain = drive is None and sensors is None and scene is None

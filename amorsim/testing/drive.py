@@ -10,6 +10,7 @@ import numpy.typing as npt
 from amorsim.contracts import Drive, Part, State
 from amorsim.core.poses import compose, wrap_angle
 from amorsim.core.rows import stack
+from amorsim.estimators.wheels import jacobian_at
 from amorsim.plugins.checks import check_name
 from amorsim.testing.failure import Who
 from amorsim.testing.rig import DT, ROWS, STEPS, Rig, Session
@@ -225,6 +226,30 @@ class DriveTrial(Trial[Drive]):
                     f"no more than that part of travel(), {float(most[row]):g}, as nothing may be faster than it says",
                     f"{float(found[row]):g}",
                 )
+
+    def check_jacobian(self, components: list[Drive]) -> None:
+        """Whether the Jacobian that the drive offers is that of its displacements, to within a small difference."""
+        drive, session = stack(components), Session(self.rig, np.arange(ROWS, dtype=np.int64))
+        offered: Any = getattr(drive, "jacobian", None)
+        if offered is None:
+            return
+        carried = self.begin(drive, session)
+        state, given = dict(drive.start(session.context())), Given(self.who, "inputs", "")
+        for t in range(STEPS):
+            session.go_to(t)
+            self.step(drive, session, state, carried, given)
+        joints = carried["joints"]
+        rolling = np.flatnonzero([joint.rolls for joint in drive.joints])
+        wanted = jacobian_at(drive, joints, rolling, drive.rolling_radius())
+        found = offered(joints, joints)
+        row = int(np.argmax(np.abs(found - wanted).max(axis=(1, 2)) / (1.0 + np.abs(wanted).max(axis=(1, 2)))))
+        self.who.require(
+            np.allclose(found, wanted, rtol=1e-4, atol=1e-4),
+            "jacobian",
+            "jacobian()",
+            f"{wanted[row].round(6).tolist()}, by displacement() and rolling_radius()",
+            found[row].round(6).tolist(),
+        )
 
     def check_inverse(self, components: list[Drive]) -> None:
         """Whether a motion reached by some command is also reached by the drive's `command_for` it."""

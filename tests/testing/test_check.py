@@ -737,6 +737,17 @@ class LostJacobian(Cart):
 
 
 @frozen
+class JacobianByAngle(Cart):
+    """Its Jacobian is that of a turn of the wheel, not of a metre of its travel."""
+
+    def jacobian(self, before: Array, after: Array) -> Array:
+        out = np.zeros((len(before), 3, 2))
+        out[:, 0] = 0.5
+        out[:, 2] = np.concatenate((-1.0 / self.track, 1.0 / self.track), axis=1)
+        return out * self.radius[:, :, None]
+
+
+@frozen
 class PlainTuple(StaysPut):
     def update(
         self,
@@ -885,6 +896,7 @@ BROKEN = {
     Backwards: "limits",
     TwoSpeeds: "shapes",
     LostJacobian: "finite",
+    JacobianByAngle: "jacobian",
     PlainTuple: "shapes",
     FailsInNumbers: "failed",
     SourcesInPairs: "sources",
