@@ -10,13 +10,14 @@ from typing import Any
 import attrs
 import numpy as np
 
-from amorsim.contracts import Frame, Recorder, RunInfo
+from amorsim.contracts import Recorder, RunInfo
 from amorsim.controllers.goto import GoTo
 from amorsim.core.map import Map
 from amorsim.core.shapes import Shape
 from amorsim.drives.differential import Differential
 from amorsim.estimators.dead_reckoning import DeadReckoning
-from amorsim.scenario.spec import MountedSensor, Pose, Robot, Scenario
+from amorsim.motions import Loop
+from amorsim.scenario.spec import MountedSensor, Obstacle, Pose, Robot, Scenario
 from amorsim.sensors.encoder import Encoder
 from amorsim.sensors.laser import Laser
 from amorsim.simulation.simulation import Simulation
@@ -48,26 +49,34 @@ def _write(who: Who, recorder: Recorder, folder: Path, replicas: list[int], step
     info = RunInfo(folder=folder, dt=simulation.dt, replicas=simulation.replicas, with_sensors=True)
     with who.calling("open"), _let_alone(who, simulation.frames(), "open") as frames:
         recorder.open(info, frames)
+    _write_obstacles(who, recorder, simulation)
     reported = 0
     for _ in range(steps):
         simulation.step()
         events = simulation.events
         with who.calling("write"), _let_alone(who, simulation.frames(), "write") as frames:
             recorder.write(frames, events[reported:])
+        _write_obstacles(who, recorder, simulation)
         reported = len(events)
     assert not steps or reported  # the robot has met the wall
     with who.calling("close"):
         recorder.close()
 
 
+def _write_obstacles(who: Who, recorder: Recorder, simulation: Simulation) -> None:
+    frames = simulation.obstacle_frames()
+    with who.calling("write_obstacles"), _let_alone(who, frames, "write_obstacles"):
+        recorder.write_obstacles(frames)
+
+
 class _let_alone:  # noqa: N801 - reads as a clause
     """Gives frames out, and looks whether they came back as they were."""
 
-    def __init__(self, who: Who, frames: list[Frame], method: str) -> None:
+    def __init__(self, who: Who, frames: Sequence[Any], method: str) -> None:
         self._who, self._frames, self._method = who, frames, method
         self._before = dict(_arrays(frames))
 
-    def __enter__(self) -> list[Frame]:
+    def __enter__(self) -> Any:
         self._copies = {name: array.copy() for name, array in self._before.items()}
         return self._frames
 
@@ -111,4 +120,7 @@ def _scenario() -> Scenario:
     )
     # A second one without sensors, of another group: its columns are not those of the first.
     bare = attrs.evolve(driver, name="bare", sensors={}, estimators={}, controller=None, pose=Pose(x=1.0, y=2.0))
-    return Scenario(map=room, robots=[driver, bare])
+    # Two groups of obstacles: one stands, one moves.
+    post = Obstacle(name="post", shape=Shape.circle(0.1), pose=Pose(x=0.5, y=0.5))
+    cart = Obstacle(name="cart", shape=Shape.circle(0.1), motion=Loop(waypoints=((2.0, 0.5), (2.0, 1.5))))
+    return Scenario(map=room, robots=[driver, bare], obstacles=[post, cart])

@@ -28,6 +28,7 @@ from amorsim.contracts import (
     Measurement,
     Motion,
     Noise,
+    ObstacleFrame,
     Part,
     Recorder,
     RobotModel,
@@ -1145,10 +1146,26 @@ class OneRobot(Whole):
         float(frame.true_pose[:, 0])
 
 
+@attrs.define(kw_only=True)
+class OneObstacle(Whole):
+    def write_obstacles(self, frames: Sequence[ObstacleFrame]) -> None:
+        (frame,) = frames
+        float(frame.true_pose[:, 0])
+
+
+@attrs.define(kw_only=True)
+class RoundsObstacles(Whole):
+    def write_obstacles(self, frames: Sequence[ObstacleFrame]) -> None:
+        for frame in frames:
+            frame.true_pose[:] = np.round(frame.true_pose)
+
+
 @pytest.mark.parametrize(
     ("cls", "words"),
     [
         (ClosesWhatItOpened, "close"),
+        (OneObstacle, "write_obstacles: expected it to return"),
+        (RoundsObstacles, "write_obstacles: .*true_pose|writing"),
         (Rounds, "true_pose|writing"),
         (OneRobot, "write: expected it to return"),
     ],
