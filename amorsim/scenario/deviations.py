@@ -12,7 +12,7 @@ from amorsim.core.numbers import is_number
 from amorsim.core.parameters import Parameter, ParameterError, describe
 from amorsim.scenario.angles import to_degrees, to_radians
 from amorsim.scenario.faults import Node, shown
-from amorsim.scenario.paths import changed
+from amorsim.scenario.paths import changed, index_in
 from amorsim.scenario.spec import Deviation, Distribution, MountedSensor, Number
 
 __all__ = ["KINDS", "read_deviations", "read_number", "write_deviations", "write_number"]
@@ -119,7 +119,7 @@ def _parameter(thing: Any, path: Sequence[str]) -> Parameter:
     if not rest:
         return _described(thing, name)
     if isinstance(value, tuple):
-        item = value[int(rest[0])]
+        item = value[index_in(value, rest[0])]
         return _parameter(item, rest[1:]) if rest[1:] else _described(thing, name)
     return _parameter(value, rest)
 

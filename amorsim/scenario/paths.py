@@ -12,10 +12,11 @@ from amorsim.core.parameters import describe
 from amorsim.core.trouble import in_words
 from amorsim.scenario.spec import Deviation, MountedSensor, NoiseElement, Pose, Robot
 
-__all__ = ["changed", "with_value"]
+__all__ = ["changed", "index_in", "with_value"]
 
 Change = Callable[[Any], Any]
 _NUMBERS = ("scale", "add", "value")  # of a deviation
+_BESIDE = ("mount", "rate", "latency", "noise")  # of a sensor, next to its own parameters
 _LIVE = ("drive", "ground", "sensors", "estimators", "controller", "pose")  # of a robot
 
 
@@ -81,13 +82,15 @@ def changed(thing: Any, path: list[str], change: Change, *, live: bool = False) 
             raise LookupError(f"there is no {name!r} here, but: {there}.{did_you_mean(name, thing)}")
         return {**thing, name: _descend(thing[name], rest, change, live)}
     if isinstance(thing, tuple):
-        index = _index(thing, name)
+        index = index_in(thing, name)
         return (*thing[:index], _descend(thing[index], rest, change, live), *thing[index + 1 :])
     if not attrs.has(type(thing)):
         raise LookupError(f"the path should end before {name!r}, where there is {thing!r}")
     fields = attrs.fields_dict(type(thing))
-    if isinstance(thing, (MountedSensor, NoiseElement)) and (name not in fields or isinstance(thing, NoiseElement)):
-        # As in a file, a device's parameters stand next to its mount, and an element's next to its name.
+    # As in a file, a device's parameters stand next to its mount, and an element's next to its name. No other path
+    # leads to them, for a number has one error.
+    is_within = isinstance(thing, NoiseElement) or (isinstance(thing, MountedSensor) and name not in _BESIDE)
+    if is_within:
         inner = "sensor" if isinstance(thing, MountedSensor) else "noise"
         return attrs.evolve(thing, **{inner: changed(getattr(thing, inner), path, change, live=live)})
     if name not in fields:
@@ -116,11 +119,19 @@ def _descend(value: Any, rest: list[str], change: Change, live: bool) -> Any:
     return change(value)
 
 
-def _index(items: tuple[Any, ...], name: str) -> int:
+def index_in(items: tuple[Any, ...], name: str) -> int:
+    """Which of some items a part of a path means: by its name, or by its number as Python writes it.
+
+    Raises
+    ------
+    LookupError
+        If it means none.
+    """
     names = [getattr(item, "name", None) for item in items]
     if name in names:
         return names.index(name)
-    if not name.isdigit() or int(name) >= len(items):
-        known = ", ".join(n for n in names if n) or f"0 to {len(items) - 1}"
-        raise LookupError(f"there is no element {name!r}, but: {known}")
-    return int(name)
+    numbers = [str(number) for number in range(len(items))]
+    if name in numbers:
+        return numbers.index(name)
+    known = ", ".join(n for n in names if n) or (f"0 to {len(items) - 1}" if items else "none")
+    raise LookupError(f"there is no element {name!r}, but: {known}")
