@@ -113,7 +113,8 @@ def check_component(
     Warns
     -----
     UserWarning
-        If a sensor's reading never changed in any trial: the check then proves nothing about the reading.
+        If a sensor's reading never changed in any trial, or a generator gave one world for several seeds: the check
+        then proves nothing about the reading, or the draws.
 
     Raises
     ------

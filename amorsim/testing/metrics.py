@@ -32,7 +32,12 @@ def check_metric(who: Who, metric: Metric) -> None:
     for name in needs:
         problem = quantity_problem(name)
         require(not problem, "needs", "needs()", "names of quantities", problem)
-    episode = _episode(needs)
+    for episode in (_episode(needs), _in_worlds_of_their_own(_episode(needs))):
+        _check_episode(who, metric, episode)
+
+
+def _check_episode(who: Who, metric: Metric, episode: Episode) -> None:
+    require = who.require
     before = {name: array.tobytes() for name, array in episode.kept.items()}
     values = _measured(who, metric, episode)
     for name, array in episode.kept.items():
@@ -45,6 +50,8 @@ def check_metric(who: Who, metric: Metric) -> None:
             replicas=(replica,),
             kept={name: np.ascontiguousarray(array[:, row : row + 1]) for name, array in episode.kept.items()},
             events=[event for event in episode.events if event.replica == replica],
+            map=episode.map_of(row),
+            maps=episode.maps[row : row + 1],
         )
         value = _measured(who, metric, alone)
         same = value.tobytes() == values[row : row + 1].tobytes()
@@ -58,6 +65,18 @@ def _measured(who: Who, metric: Metric, episode: Episode) -> Any:
     fits = isinstance(values, np.ndarray) and values.dtype == np.float64 and values.shape == (count,)
     who.require(fits, "shapes", "measure()", f"float64 ({count},)", array_in_words(values))
     return values
+
+
+def _in_worlds_of_their_own(episode: Episode) -> Episode:
+    """The same where each replica has a world of its own: halls, each with another wall."""
+    maps = [_hall(1.0 + 0.5 * row) for row in range(_ROWS)]
+    return attrs.evolve(episode, map=maps[0], maps=maps)
+
+
+def _hall(x: float = 0.0) -> Map:
+    """A hall of 6 m by 4 m, with a wall from its lower side that begins at `x` [m]; none at 0."""
+    sides = [(0.0, 0.0, 6.0, 0.0), (6.0, 0.0, 6.0, 4.0), (6.0, 4.0, 0.0, 4.0), (0.0, 4.0, 0.0, 0.0)]
+    return Map.from_segments(np.array([*sides, *([(x, 0.0, x, 1.0)] if x else [])]), resolution=0.05)
 
 
 def _episode(needs: Any) -> Episode:
@@ -91,14 +110,13 @@ def _episode(needs: Any) -> Episode:
         at: dict[str, Any] = {"tick": 20 + replica, "time": (20.5 + replica) * _DT, "replica": replica, "name": "rover"}
         events.append(Event(kind="collision", other="wall", point=(3.0, 2.0), speed=0.2, **at))
         events.append(Event(kind="controller_ended", **at))
-    walls = np.array([(0.0, 0.0, 6.0, 0.0), (6.0, 0.0, 6.0, 4.0), (6.0, 4.0, 0.0, 4.0), (0.0, 4.0, 0.0, 0.0)])
     return Episode(
         robot="rover",
         replicas=tuple(range(_ROWS)),
         time=time,
         kept=kept,
         events=events,
-        map=Map.from_segments(walls, resolution=0.01),
+        map=_hall(),
         shape=Shape.circle(0.2),
         parts=(Part("trailer", Shape.circle(0.1)),),
     )

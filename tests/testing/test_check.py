@@ -835,6 +835,19 @@ class NeedsUnknown(am.Metric):
         return np.zeros(len(episode.replicas))
 
 
+@frozen
+class OneWorld(NeedsUnknown):
+    """How far the robot saw ahead at least in the world of replica 0, whatever the world of the row."""
+
+    def needs(self) -> Sequence[str]:
+        return ("true_pose",)
+
+    def measure(self, episode: am.Episode) -> Array:
+        poses = episode.kept["true_pose"]
+        ranges = episode.map.cast_rays(poses.reshape(-1, 3), [0.0], 9.0)
+        return ranges.reshape(poses.shape[:2]).min(axis=0)
+
+
 class Replans(am.Planner):
     """A* with a plan that is changed."""
 
@@ -878,6 +891,7 @@ BROKEN = {
     GoesWithoutField: "places",
     GoesToWords: "places",
     NeedsUnknown: "needs",
+    OneWorld: "rows",
     OnePose: "plan",
     LengthInWords: "plan",
     LinksInPairs: "plan",
@@ -1173,6 +1187,19 @@ class RoundsObstacles(Whole):
 def test_a_broken_recorder(cls: type[Recorder], words: str) -> None:
     with pytest.raises(ComponentError, match=words):
         check_component(cls)
+
+
+@frozen
+class Bare(am.WorldGenerator):
+    """An empty hall, whatever the seed."""
+
+    def generate(self, draws: Draws) -> Map:
+        return am.Map.from_array(np.zeros((20, 20)), resolution=0.1, start=(1.0, 1.0, 0.0))
+
+
+def test_a_generator_that_gives_one_world_for_all_seeds_is_said_to_prove_nothing() -> None:
+    with pytest.warns(UserWarning, match=r"Bare: seeds 0 to 3 gave the same world"):
+        check_component(Bare())
 
 
 def test_a_whole_recorder() -> None:
