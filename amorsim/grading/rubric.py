@@ -8,6 +8,7 @@ from pathlib import Path
 import attrs
 
 from amorsim.core.errors import ScenarioError, StudyError
+from amorsim.core.numbers import is_number
 from amorsim.plugins.manager import default_registry
 from amorsim.scenario.contents import book_of
 from amorsim.scenario.faults import Node, shown
@@ -18,6 +19,7 @@ from amorsim.sweeps.read import read_metric
 
 __all__ = ["Case", "Criterion", "Rubric", "read_rubric"]
 
+_FAR = 1e15  # larger numbers are taken for mistakes
 _KEYS = (
     *(
         "format",
@@ -134,7 +136,7 @@ def _read(top: Node, path: Path) -> Rubric | None:
     numbers = {}
     for key, default in (("time_limit", 60.0), ("memory_limit", 4e9), ("duration", None)):
         node = top.child(key)
-        if node.value is not None and (type(node.value) not in (int, float) or not node.value > 0):
+        if node.value is not None and (not is_number(node.value, below=_FAR) or node.value <= 0):
             node.fault(f"expected a number > 0, got {shown(node.value)}")
         numbers[key] = default if node.value is None else node.value
     criteria = _criteria(top.child("criteria"))
@@ -166,10 +168,15 @@ def _criteria(node: Node) -> list[Criterion]:
         values = []
         for key, default in (("points", 1.0), ("none", 0.0), ("full", 1.0)):
             value = child.value.get(key, default)
-            if type(value) not in (int, float):
+            if not is_number(value, below=_FAR):
                 child.child(key).fault(f"expected a number, got {shown(value)}")
                 value = default
             values.append(float(value))
+        if values[0] < 0.0:
+            child.child("points").fault(
+                f"expected 0 or more, got {values[0]:g}: a run that fails would have more; give points to what is "
+                "good, by none and full"
+            )
         if values[1] == values[2]:
             child.child("full").fault("expected another value than for none, for the points lie between them")
             continue

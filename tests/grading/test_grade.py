@@ -354,8 +354,12 @@ def test_what_it_prints_is_no_command(course: Path) -> None:
     [
         ('"small.toml"', '"none.toml"', "none.toml"),
         ("points = 6.0", "points = 'six'", "expected a number, got 'six'"),
+        ("points = 6.0", "points = inf", "expected a number, got inf"),
+        ("points = 6.0", "points = -6.0", "expected 0 or more, got -6"),
+        ("full = 0.0", "full = nan", "expected a number, got nan"),
         ("full = 0.0", "full = 1.0", "expected another value than for none"),
         ("time_limit = 2.0", "time_limit = 0", "time_limit: expected a number > 0"),
+        ("time_limit = 2.0", "memory_limit = inf", "memory_limit: expected a number > 0, got inf"),
         ("seeds = [11, 12]", "seeds = 11", "seeds: expected a list of seeds"),
         ('use = "turning"', 'use = "turnin"', "Did you mean 'turning'"),
         ("duration = 3.0", "length = 3.0", "there is no such key"),
