@@ -3,7 +3,7 @@
 The two models are not the same: amorsim has that of 1995, whose forces reach 7 m, and which is stable at any step;
 JuPedSim that of 2000, cut off at 2.5 m, with stiff contacts. So each makes the steps that it is meant for (0.1 s;
 0.01 s, JuPedSim's default), and JuPedSim those of 0.05 s as well, about the longest at which its people stay in the
-hall.
+hall. At times one of them does not, which ends JuPedSim's simulation; the ratio then does not count.
 """
 
 from __future__ import annotations
@@ -115,19 +115,34 @@ def _contest(
             sides[name] = JuPedSim(side, starts, goals, SPEED, RADIUS, dt)
     except ImportError as error:
         say(f"crowd: JuPedSim is not installed ({error})")
-    speeds = {name: _walked(crowd) for name, crowd in sides.items()}
+    speeds: dict[str, float] = {}
     found: dict[str, list[float]] = {name: [] for name in sides}
-    for _ in range(rounds):
+    stopped: dict[str, str] = {}
+    for turn in range(rounds + 1):
         for name, crowd in sides.items():
-            found[name].append(_rate(crowd, at_least, clock))
+            if name in stopped:
+                continue
+            try:
+                if turn == 0:
+                    speeds[name] = _walked(crowd)
+                else:
+                    found[name].append(_rate(crowd, at_least, clock))
+            except RuntimeError as error:  # so JuPedSim says that its forces threw someone out of the hall
+                if name == "amorsim":
+                    raise
+                stopped[name] = str(error)
+                say(f"crowd: {name}, stopped after {len(found[name])} rounds: {error}")
     rows = []
     for name, rates in found.items():
+        if not rates:
+            continue
         note = f"{OURS if name == 'amorsim' else COMPUTES}; people went {speeds[name]:.2f} m/s"
         ratio = None
         if name != "amorsim":
             alike = abs(speeds[name] - speeds["amorsim"]) <= _ALIKE * speeds["amorsim"]
-            why_not = "" if alike else "people are not as fast"
-            ratio = Ratio(spread=ratio_of(found["amorsim"], rates), counts=alike, why_not=why_not)
+            why_not = f"it stopped: {stopped[name]}" if name in stopped else "" if alike else "people are not as fast"
+            of_ours = ratio_of(found["amorsim"][: len(rates)], rates)
+            ratio = Ratio(spread=of_ours, counts=not why_not, why_not=why_not)
         rows.append(
             Row(section=SECTION, setting=setting, side=name, unit=UNIT, rounds=tuple(rates), ratio=ratio, note=note)
         )

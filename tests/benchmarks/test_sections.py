@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -26,6 +27,36 @@ def test_a_crowd_walks_and_is_timed_in_simulated_seconds() -> None:
     walked = re.search(r"people went (.*) m/s", rows[0].note)
     assert walked is not None
     assert 0.3 < float(walked.group(1)) < crowd.SPEED
+
+
+def test_a_peer_that_stops_is_told_and_does_not_count(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Leaver(crowd.Ours):
+        def __init__(self, side: float, starts: Any, goals: Any, speed: float, radius: float, dt: float) -> None:
+            super().__init__(side, starts, goals)
+            self.left = 110 if dt == 0.01 else 0  # steps; a round makes one at least, and the walk before 100
+
+        @staticmethod
+        def version() -> str:
+            return "0"
+
+        def step(self) -> None:
+            self.left -= 1
+            if self.left < 0:
+                raise RuntimeError("somebody is outside")
+            super().step()
+
+    monkeypatch.setattr(crowd, "JuPedSim", Leaver)
+    said: list[str] = []
+    rows = crowd._contest(9, 16.0, 20, 1e-9, time.perf_counter, said.append)
+    assert [row.side for row in rows] == ["amorsim", "JuPedSim 0, steps of 0.01 s"]
+    assert [len(row.rounds) for row in rows] == [20, 10]
+    assert rows[1].ratio is not None
+    assert not rows[1].ratio.counts
+    assert rows[1].ratio.why_not == "it stopped: somebody is outside"
+    assert [words for words in said if "stopped" in words] == [
+        "crowd: JuPedSim 0, steps of 0.05 s, stopped after 0 rounds: somebody is outside",
+        "crowd: JuPedSim 0, steps of 0.01 s, stopped after 10 rounds: somebody is outside",
+    ]
 
 
 def test_a_crowd_has_as_much_room_as_it_says() -> None:
