@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import numbers
 import re
 import types
 import typing
@@ -195,11 +196,12 @@ def _check_field(parameter: Parameter) -> Iterator[str]:
         if not isinstance(getattr(parameter, fact), str):
             yield f"field {parameter.name!r}: {fact}: expected a text, found {in_words(getattr(parameter, fact))}"
     for fact in ("gt", "ge", "lt", "le"):
-        bound = getattr(parameter, fact)
-        if bound is not None and (not isinstance(bound, (int, float)) or isinstance(bound, bool)):
+        bound: Any = getattr(parameter, fact)
+        if bound is not None and (isinstance(bound, bool) or not isinstance(bound, numbers.Real)):
             yield f"field {parameter.name!r}: {fact}: expected a number, found {in_words(bound)}"
-    if not isinstance(parameter.choices, tuple) or not all(isinstance(one, str) for one in parameter.choices):
-        yield f"field {parameter.name!r}: choices: expected a tuple of texts, found {in_words(parameter.choices)}"
+    if not isinstance(parameter.choices, (tuple, list)) or not all(isinstance(one, str) for one in parameter.choices):
+        found = in_words(parameter.choices)
+        yield f"field {parameter.name!r}: choices: expected a tuple or list of texts, found {found}"
     for fact, given, known in (("frame", parameter.frame, FRAMES), ("refers", parameter.refers, REFERS)):
         if given and given not in known:
             words = " or ".join(map(repr, known))

@@ -3,6 +3,7 @@
 from typing import Any, ClassVar
 
 import attrs
+import numpy as np
 import pytest
 
 from amorsim.contracts import Drive, Estimator, Joint, MapLoader, Noise, Part, Planner, Recorder, Sensor, parameter
@@ -176,14 +177,27 @@ def test_a_field_is_made_with_parameter_and_has_a_type_that_files_know():
         (float, parameter(1.0, help=3), "field 'share': help: expected a text, found 3"),
         (float, parameter(1.0, ge="0"), "field 'share': ge: expected a number, found '0'"),
         (float, parameter(1.0, le=True), "field 'share': le: expected a number, found True"),
-        (str, parameter("a", choices="ab"), "field 'share': choices: expected a tuple of texts, found 'ab'"),
-        (int, parameter(1, choices=(1, 2)), "field 'share': choices: expected a tuple of texts, found (1, 2)"),
+        (str, parameter("a", choices="ab"), "field 'share': choices: expected a tuple or list of texts, found 'ab'"),
+        (
+            int,
+            parameter(1, choices=(1, 2)),
+            "field 'share': choices: expected a tuple or list of texts, found (1, 2)",
+        ),
     ],
 )
 def test_what_a_field_says_of_itself_is_checked(kind, field, words):
     given = {"unit": "m", "share": field, "__annotations__": {"unit": ClassVar[str], "share": kind}}
     cls = frozen(type("Odd", (GoodMethods, Sensor), given))
     assert words in only(check_class("sensor", Sensor, cls))
+
+
+@pytest.mark.parametrize(
+    ("kind", "field"),
+    [(str, parameter("a", choices=["a", "b"])), (int, parameter(1, ge=np.int64(0), le=np.float32(3)))],
+)
+def test_choices_in_a_list_and_bounds_of_numpy_are_fine(kind, field):
+    given = {"unit": "m", "share": field, "__annotations__": {"unit": ClassVar[str], "share": kind}}
+    assert check_class("sensor", Sensor, frozen(type("Even", (GoodMethods, Sensor), given))) == ()
 
 
 def test_fields_have_a_key_of_their_own_in_files():
