@@ -207,6 +207,9 @@ class _RobotReadings(Mapping[str, RobotReading]):
     def __len__(self) -> int:
         return len(self._of_all)
 
+    def __repr__(self) -> str:
+        return repr(dict(self))
+
 
 def _by_robot(
     readings: Mapping[str, Measurement], estimate: Estimate, clock: Clock
@@ -245,7 +248,7 @@ class _Answers:
                 raise self._wrong(row, answer, f"a {type(self._robot.drive).__name__} takes no wheel speeds")
             self._speeds[row] = self._numbers(row, answer, (answer.left, answer.right))
             self._gave_speeds[row] = True
-        # Most answers are tuples, which are sooner told than sequences in general.
+        # Most answers are tuples; whether something is a Sequence takes longer to find out.
         elif isinstance(answer, (tuple, list, np.ndarray, Sequence)) and not isinstance(answer, (str, bytes)):
             is_flat = not isinstance(answer, np.ndarray) or answer.ndim == 1
             if not is_flat or len(answer) not in (len(channels), len(self._robot.drive.channels)):

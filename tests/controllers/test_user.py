@@ -96,6 +96,15 @@ def test_what_it_sees_is_a_reading_of_each_sensor_and_the_same_at_each_look():
         assert (first, count, has_lazer) == (7.0, len(runner.readings), False)
 
 
+def test_readings_are_printed_as_the_readings_that_they_are():
+    printed = []
+    runner = Runner(lambda readings, estimate, clock: printed.append((repr(readings), repr(dict(readings)))))
+    runner.command()
+    ((words, of_a_dict),) = printed
+    assert words == of_a_dict
+    assert words.startswith("{'laser': RobotReading(measured=")
+
+
 def test_readings_that_it_keeps_stay_those_of_their_step():
     kept = []
 
