@@ -66,6 +66,8 @@ class Ways(NamedTuple):
     """Name of the estimator on whose map they plan; empty: on the map that they were given."""
     wide: Array
     """(N,) [m] the reach of the footprint and what the avoider keeps free around it, or `narrow` if that is more."""
+    reach: float
+    """[m] the reach of the footprint, or `narrow` if that is more."""
     narrow: float
     """[m] kept from walls at the least."""
     mapped: dict[str, Beliefs]
@@ -85,33 +87,34 @@ class Ways(NamedTuple):
         half = min(float(np.abs(robot.shape.outline[:, 1]).max()), reach)
         narrow = half if least_clearance is None else least_clearance
         room = np.zeros((robot.rows, 1)) + reach + clearance
-        return cls(planner, robot, mapper, np.maximum(room[:, 0], narrow), narrow, {}, {})
+        return cls(planner, robot, mapper, np.maximum(room[:, 0], narrow), max(reach, narrow), narrow, {}, {})
 
     def plan(self, pose: Array, goal: Array, window: Window, row: int, since: float) -> Answer:
-        """What came of the plan from a robot's pose to its goal (2,) or (3,)."""
+        """What came of the plan from a robot's pose to its goal (2,) or (3,).
+
+        Of the ways that keep different rooms from walls it is the widest that is hardly longer than the shortest.
+        """
         if self.planner.plans_headings:
             return self._for_car(pose, goal, window, row, since)
         goal = goal[:2]
         world = self._world(self._known(row), pose, goal, window, row, since)
-        straight = float(np.hypot(*(goal - pose[:2])))
         found: dict[float, tuple[float, Array]] = {}
         status, searched = "unreachable", np.empty((0, 2))
-        wide = float(self.wide[row])
-        for room in (wide, self.narrow):
-            if room in found:
-                continue
+        wide, least = float(self.wide[row]), float(np.hypot(*(goal - pose[:2])))
+        for room in dict.fromkeys((wide, self.narrow, self.reach)):
             plan, points = self._with_room(world, pose, goal, room, row)
             status, searched = ("refused", searched) if plan is None else (plan.status, plan.searched)
             if plan is not None and status == "found":
-                length = plan.length
-                found[room] = (length, points)
-                if length <= _DETOUR * straight:  # none is much shorter
-                    break
-        if wide in found and found[wide][0] <= _DETOUR * found.get(self.narrow, (np.inf,))[0]:
-            return Answer("found", found[wide][1], searched)
-        if found:
-            return Answer("found", min(found.values(), key=lambda one: one[0])[1], searched)
-        return Answer(status, searched=searched)
+                found[room] = (plan.length, points)
+            if room == self.narrow:
+                least = found[room][0] if room in found else np.inf
+            if wide in found and found[wide][0] <= _DETOUR * least:
+                break
+        if not found:
+            return Answer(status, searched=searched)
+        least = min(length for length, _ in found.values())
+        widest = max(room for room, (length, _) in found.items() if length <= _DETOUR * least)
+        return Answer("found", found[widest][1], searched)
 
     def _known(self, row: int) -> Map | None:
         """What a robot knows of the world: what it was given, or what it has mapped."""

@@ -55,6 +55,17 @@ def test_its_path_keeps_what_its_avoider_keeps_free():
     assert gap_of(path[np.isfinite(path[:, 0])]) >= robot.shape.reach + 0.2 - 1e-6
 
 
+def test_a_goal_near_a_wall_does_not_take_the_room_to_turn_from_its_way():
+    """There is the reach of the footprint around the goal, and not the avoider's clearance as well."""
+    reach = make(None).shape.reach
+    goal = 6.0, -(3.0 - reach - 0.15)  # above the room's lower wall
+    robot = knowing(make(navigate(goal, avoider=am.controllers.Dwa(speed=0.6, clearance=0.3))), WALL)
+    path = simulate([robot], [WALL], duration=1.0).frames()[0].beliefs["controller"]["path"][0]
+    path = path[np.isfinite(path[:, 0])]
+    assert tuple(path[-1]) == goal
+    assert gap_of(path) >= reach - 1e-6
+
+
 def gap_of(path):
     """How near a path comes to the upper end of `WALL` [m]."""
     corner = np.array([3.0, 1.5])
