@@ -89,9 +89,8 @@ class Deviation:
 
     def __attrs_post_init__(self) -> None:
         if self.value is not None and (self.scale, self.add) != (1.0, 0.0):
-            raise ParameterError(
-                "value", "expected either value, or scale and add: value takes the place of the nominal one"
-            )
+            takes = "value takes the place of the nominal one; None is no value"
+            raise ParameterError("value", f"expected either value, or scale and add: {takes}")
 
 
 @attrs.frozen(kw_only=True)
