@@ -130,6 +130,7 @@ class GridMapping(MapArea, Estimator):
         }
         if not self.place and not self.estimator:
             state["joints"] = np.full((rows, len(robot.drive.joints)), np.nan)
+            state["current"] = np.ones((rows, 1), dtype=bool)
         if self.model == "log_odds":
             state["log_odds"] = np.full(cells, np.nan, dtype=np.float32)
         else:
@@ -157,7 +158,8 @@ class GridMapping(MapArea, Estimator):
             before, after = angles_of(robot, self.encoder, readings[self.encoder].measured, state["joints"])
             moved = reckon(robot.drive, state["pose"], state["covariance"], before, after, self.wheel_variance)
             state["pose"], state["covariance"], state["joints"] = moved.pose, moved.covariance, after
-            fresh = fresh & is_current(robot, self.encoder, readings[self.encoder], after)
+            state["current"] = is_current(robot, self.encoder, readings[self.encoder], after, state["current"])
+            fresh = fresh & state["current"]
         if fresh.any():
             beams = beams_of(robot, self.laser)
             self._add(beams, scans_of(beams, state["pose"], readings[self.laser].measured, fresh), state)

@@ -130,6 +130,7 @@ class GridSlam(MapArea, Estimator):
         pose = np.array(context.pose, dtype=np.float64)
         return {
             "joints": np.full((rows, len(robot.drive.joints)), np.nan),
+            "current": np.ones((rows, 1), dtype=bool),
             "moved": np.zeros((rows, 3)),
             "spread": np.zeros((rows, 3, 3)),
             "particles": np.repeat(pose[:, None], self.particles, axis=1),
@@ -159,8 +160,8 @@ class GridSlam(MapArea, Estimator):
         before, after = angles_of(robot, self.encoder, readings[self.encoder].measured, state["joints"])
         moved = reckon(robot.drive, state["moved"], state["spread"], before, after, self.wheel_variance)
         state["moved"], state["spread"], state["joints"] = moved.pose, moved.covariance, after
-        fresh = check_fresh("grid_slam", robot, self.laser, readings[self.laser], self.age_max)
-        fresh = fresh & is_current(robot, self.encoder, readings[self.encoder], after)
+        state["current"] = is_current(robot, self.encoder, readings[self.encoder], after, state["current"])
+        fresh = check_fresh("grid_slam", robot, self.laser, readings[self.laser], self.age_max) & state["current"]
         way = np.sqrt(moved.pose[:, :1] ** 2 + moved.pose[:, 1:2] ** 2)
         is_far = (way >= self.match_distance) | (np.abs(moved.pose[:, 2:]) >= self.match_angle)
         due = np.ascontiguousarray(fresh & (is_far | (state["nodes"] == 0)[:, None]))

@@ -170,6 +170,7 @@ class KalmanFilter(Estimator):
         state |= {f"{field}_updates": np.full((rows, size, RECORD), np.nan) for field, size in slots.items()}
         if self.prediction == "encoder":
             state["taken"] = np.zeros((rows, 1), dtype=bool)
+            state["current"] = np.ones((rows, 1), dtype=bool)
         if self.prediction == "command":
             state["joints"] = np.zeros((rows, joints))
             state["rates"] = np.zeros((rows, joints))
@@ -239,8 +240,8 @@ class KalmanFilter(Estimator):
         reading = readings[self.encoder]
         was_taken, state["taken"] = state["taken"], is_taken(robot, self.encoder, reading, after)
         goes_on = (before == state["joints"]).all(axis=1, keepdims=True)
-        is_there = is_current(robot, self.encoder, reading, after)
-        return is_there, np.asarray(state["taken"] & was_taken & goes_on)
+        state["current"] = is_current(robot, self.encoder, reading, after, state["current"])
+        return state["current"], np.asarray(state["taken"] & was_taken & goes_on)
 
     def _keep_valid(self, state: State, mean: Array, covariance: Array) -> None:
         """Put the rows whose numbers are none any more back to what they were before the update."""

@@ -189,6 +189,7 @@ class MonteCarlo(Estimator):
             "lost": np.full(rows, is_lost),
             "begun": np.zeros(rows, dtype=bool),
             "joints": np.full((rows, len(robot.drive.joints)), np.nan),
+            "current": np.ones((rows, 1), dtype=bool),
             "moved": np.zeros((rows, 3)),
             "doubt": np.zeros((rows, 3, 3)),
             "particles": np.zeros((rows, most, 3)),
@@ -218,6 +219,7 @@ class MonteCarlo(Estimator):
         state["figures"][:, 2] = 0.0
         before, after = angles_of(robot, self.encoder, readings[self.encoder].measured, state["joints"])
         state["joints"] = after
+        state["current"] = is_current(robot, self.encoder, readings[self.encoder], after, state["current"])
         begins = ~state["begun"]
         if not begins.all():
             step = step_of(robot.drive, before, after)
@@ -227,7 +229,7 @@ class MonteCarlo(Estimator):
         moved_by = state["moved"]
         far = np.sqrt(moved_by[:, :1] ** 2 + moved_by[:, 1:2] ** 2) >= self.update_distance
         far |= np.abs(moved_by[:, 2:]) >= self.update_angle
-        fresh = readings[self.laser].fresh & is_current(robot, self.encoder, readings[self.encoder], after)
+        fresh = readings[self.laser].fresh & state["current"]
         seen = fresh[:, 0].copy()
         rows = np.flatnonzero(begins | (far[:, 0] & seen)).astype(np.int64)
         if len(rows):

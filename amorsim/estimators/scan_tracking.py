@@ -125,6 +125,7 @@ class ScanTracker(Estimator):
             "key_covariance": np.zeros((rows, 3, 3)),
             "last": np.full((rows, 3), np.nan),
             "joints": np.full((rows, len(robot.drive.joints)), np.nan),
+            "current": np.ones((rows, 1), dtype=bool),
             "match": np.full((rows, tracking.RECORD), np.nan),
             "scan": np.full((rows, beams, 2), np.nan),
             "scan_pose": pose.copy(),
@@ -160,9 +161,9 @@ class ScanTracker(Estimator):
         before, after = angles_of(robot, self.encoder, readings[self.encoder].measured, state["joints"])
         moved = reckon(robot.drive, state["pose"], state["spread"], before, after, self.wheel_variance)
         state["pose"], state["spread"], state["joints"] = moved.pose, moved.covariance, after
+        state["current"] = is_current(robot, self.encoder, readings[self.encoder], after, state["current"])
         reading = readings[self.laser]
-        fresh = check_fresh(who, robot, self.laser, reading, self.age_max)
-        fresh = fresh & is_current(robot, self.encoder, readings[self.encoder], after)
+        fresh = check_fresh(who, robot, self.laser, reading, self.age_max) & state["current"]
         state["match"] = np.full_like(state["match"], np.nan)
         asked = np.zeros((robot.rows, 2), dtype=bool)
         if not fresh.any():

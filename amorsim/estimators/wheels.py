@@ -206,9 +206,13 @@ def is_taken(robot: RobotModel, encoder: str, reading: Measurement, after: Array
     return np.asarray(reading.fresh & (sensor.angles(reading.measured) == after).all(axis=1, keepdims=True))
 
 
-def is_current(robot: RobotModel, encoder: str, reading: Measurement, after: Array) -> npt.NDArray[np.bool_]:
+def is_current(
+    robot: RobotModel, encoder: str, reading: Measurement, after: Array, was: npt.NDArray[np.bool_]
+) -> npt.NDArray[np.bool_]:
     """Whether a pose that the joints `after` have moved is where the robot is `(N, 1)`; no other may be corrected.
 
-    Where a new reading of the encoder is lost, the wheels have moved by what the next one will tell.
+    Where a new reading of the encoder is lost, the wheels have moved by what the next one will tell. Until then the
+    pose is not current. Without a new reading it is what it `was` `(N, 1)` in the update before, and at the start it is
+    current. An estimator calls this in every update.
     """
-    return is_taken(robot, encoder, reading, after) | ~reading.fresh
+    return np.where(reading.fresh, is_taken(robot, encoder, reading, after), was)

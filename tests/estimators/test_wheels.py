@@ -14,10 +14,11 @@ from tests.estimators.test_bits import MAKERS, scenario
 GPS, COMPASS, GYRO = 0.2, 0.05, 0.01
 
 
-def ended(name, lost=(), begins=0, value=np.nan, jumps=(), blind=()):
+def ended(name, lost=(), begins=0, value=np.nan, jumps=(), blind=(), apart=()):
     """The last estimate and beliefs of an estimator that got no reading in some steps, and its pose with all readings.
 
-    In `lost` the encoder's is no number or `value`; in `blind` there is none of any other sensor.
+    In `lost` the encoder's is no number or `value`; in `blind` there is none of any other sensor. In `apart` the other
+    sensors' readings come 0.01 s after the encoder's.
     """
     sim = am.Simulation(scenario(name), seed=5)
     runner = am.EstimatorRunner(sim.scenario.robots[0], "it", dt=sim.dt, seed=5)
@@ -34,7 +35,11 @@ def ended(name, lost=(), begins=0, value=np.nan, jumps=(), blind=()):
             readings["encoder"][0] += 1e9
         if step in blind:
             readings = {"encoder": readings["encoder"]}
-        estimate = runner.update(frame.time[0], readings, frame.command[0])
+        time = frame.time[0]
+        if step in apart:
+            runner.update(time, {"encoder": readings.pop("encoder")}, frame.command[0])
+            time += 0.01
+        estimate = runner.update(time, readings, frame.command[0])
         assert np.isfinite(estimate.covariance).all()
         if "failed" in frame.beliefs.get("it", {}):
             assert not runner.beliefs["failed"]
@@ -55,16 +60,44 @@ def test_a_lost_reading_is_made_up_for_by_the_next(name):
     assert abs(found[2] - wanted[2]) < 0.03
 
 
+@pytest.mark.parametrize("apart", [(), (5,)], ids=["together", "apart"])
 @pytest.mark.parametrize("name", MAKERS)
-def test_what_is_seen_while_the_reading_of_the_encoder_is_lost_changes_nothing(name):
+def test_what_is_seen_while_the_reading_of_the_encoder_is_lost_changes_nothing(name, apart):
     """It is seen from further on, and would move the pose by what the next reading of the encoder moves it again."""
     (estimate, beliefs, _), (wanted, believed, _) = (
-        ended(name, lost=(5,), blind=blind) for blind in ((3, 4), (3, 4, 5))
+        ended(name, lost=(5,), blind=blind, apart=apart) for blind in ((3, 4), (3, 4, 5))
     )
     np.testing.assert_array_equal(estimate.pose, wanted.pose)
     np.testing.assert_array_equal(estimate.covariance, wanted.covariance)
     for key, belief in believed.items():
         np.testing.assert_array_equal(beliefs[key], belief, err_msg=key)
+
+
+def test_a_fix_after_a_lost_reading_of_the_encoder_does_not_move_the_pose_twice():
+    robot = building.robot(
+        sensors={"encoder": building.encoder(), "gps": am.sensors.Gps()},
+        estimators={"it": am.estimators.Ekf(wheel_variance=0.05, gps="gps", gps_std=0.02)},
+    )
+    runner = am.EstimatorRunner(robot, "it", dt=0.1)
+    start = runner.update(0.0, {"encoder": [0, 0]}).pose
+    stands = runner.update(0.1, {"encoder": [10_000, 10_000]}).pose
+    place = start + 2.0 * (stands - start)
+    runner.update(0.2, {"encoder": [np.inf, np.inf]})
+    for time in (0.21, 0.22):
+        np.testing.assert_array_equal(runner.update(time, {"gps": place[:2]}).pose, stands)
+    found = runner.update(0.3, {"encoder": [20_000, 20_000]}).pose
+    np.testing.assert_allclose(found, place, atol=1e-12)
+    assert runner.update(0.31, {"gps": place[:2] + 0.02}).pose[0] > place[0] + 0.01
+
+
+def test_fixes_before_the_first_reading_of_the_encoder_correct_the_pose():
+    robot = building.robot(
+        sensors={"encoder": building.encoder(), "gps": am.sensors.Gps()},
+        estimators={"it": am.estimators.Ekf(wheel_variance=0.05, start_std=0.1, gps="gps", gps_std=0.02)},
+    )
+    runner = am.EstimatorRunner(robot, "it", dt=0.1)
+    start = runner.update(0.0, {}).pose
+    assert runner.update(0.1, {"gps": start[:2] + 0.1}).pose[0] > start[0] + 0.05
 
 
 @pytest.mark.parametrize("value", [np.inf, -np.inf, 1e308])
