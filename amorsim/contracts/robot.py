@@ -184,7 +184,12 @@ class SensorModel:
     sensor: Sensor
     mount: Mount
     size: int  # values in a reading
-    rate: float | None  # [Hz], None for every step
+    rate: float | None  # [Hz], None for every step; the lowest where rows have different rates
+    rates: Sequence[float | None] = ()  # (N,) [Hz] of each row, if rows have different rates; else empty
+
+    def rate_of(self, row: int) -> float | None:
+        """The rate [Hz] of a row's sensor, or None for every step."""
+        return self.rates[row] if self.rates else self.rate
 
 
 @attrs.frozen(kw_only=True)

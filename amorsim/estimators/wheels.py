@@ -164,20 +164,24 @@ def check_encoder(who: str, robot: RobotModel, name: str) -> None:
 
 
 def check_keeps_up(who: str, robot: RobotModel, encoder: str, laser: str) -> None:
-    """Raise a `ComponentError` if the laser may read in a step in which the encoder does not."""
-    # A sensor reads at the first tick at or after each multiple of its period.
-    counts, scans = _rate(robot, encoder), _rate(robot, laser)
-    keeps_up = counts * robot.dt > 1.0 - 1e-9 or abs(counts / scans - round(counts / scans)) < 1e-9
-    if not keeps_up:
-        raise ComponentError(
-            f"{who} lays scans of {laser!r} where the sensor {encoder!r} says that the robot is, but that one reads at "
-            f"{counts:g} Hz and {laser!r} at {scans:g} Hz; give {encoder!r} no rate, or a multiple of the other's"
-        )
+    """Raise a `ComponentError` if a row's laser may read in a step in which its encoder does not."""
+    are_alike = not (robot.sensors[encoder].rates or robot.sensors[laser].rates)
+    for row in range(1 if are_alike else robot.rows):
+        # A sensor reads at the first tick at or after each multiple of its period.
+        counts, scans = _rate(robot, encoder, row), _rate(robot, laser, row)
+        keeps_up = counts * robot.dt > 1.0 - 1e-9 or abs(counts / scans - round(counts / scans)) < 1e-9
+        if not keeps_up:
+            whose = "" if are_alike else f" on {robot.who(row)}"
+            raise ComponentError(
+                f"{who} lays scans of {laser!r} where the sensor {encoder!r} says that the robot is, but that one "
+                f"reads at {counts:g} Hz and {laser!r} at {scans:g} Hz{whose}; give {encoder!r} no rate, or a multiple "
+                "of the other's"
+            )
 
 
-def _rate(robot: RobotModel, name: str) -> float:
-    """How often a sensor reads [Hz], at most in every step."""
-    rate, most = robot.sensors[name].rate, 1.0 / robot.dt
+def _rate(robot: RobotModel, name: str, row: int) -> float:
+    """How often a row's sensor reads [Hz], at most in every step."""
+    rate, most = robot.sensors[name].rate_of(row), 1.0 / robot.dt
     return most if rate is None else min(rate, most)
 
 

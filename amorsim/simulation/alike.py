@@ -15,7 +15,7 @@ from amorsim.core.parameters import ParameterError
 from amorsim.core.rows import signature, stack
 from amorsim.core.trouble import RAISED, error_in_words
 from amorsim.scenario.columns import columns_problem
-from amorsim.scenario.spec import Robot
+from amorsim.scenario.spec import MountedSensor, Robot
 from amorsim.worlds.drawn import origin_of
 
 __all__ = ["channels_of", "group_key", "poses_of", "reading_size", "robot_model"]
@@ -69,20 +69,25 @@ def robot_model(robots: Sequence[Robot], sizes: Mapping[str, int], channels: tup
         drive=stack([robot.drive for robot in robots]),
         shape=first.shape,
         sensors={
-            name: SensorModel(
-                name=name,
-                sensor=stack([robot.sensors[name].sensor for robot in robots]),
-                mount=stack([robot.sensors[name].mount for robot in robots]),
-                size=size,
-                rate=first.sensors[name].rate,
-            )
-            for name, size in sizes.items()
+            name: _sensor_model([robot.sensors[name] for robot in robots], name, size) for name, size in sizes.items()
         },
         channels=channels,
         map=maps[0] if is_one else None,
         maps=() if is_one else maps,
         landmarks=np.array(knowledge.landmarks, dtype=float) if count else None,
         landmark_ids=np.array(knowledge.landmark_ids or (0,) * count, dtype=np.int64) if count else None,
+    )
+
+
+def _sensor_model(units: Sequence[MountedSensor], name: str, size: int) -> SensorModel:
+    rates = tuple(unit.rate for unit in units)
+    return SensorModel(
+        name=name,
+        sensor=stack([unit.sensor for unit in units]),
+        mount=stack([unit.mount for unit in units]),
+        size=size,
+        rate=min((rate for rate in rates if rate is not None), default=None),
+        rates=rates if len(set(rates)) > 1 else (),
     )
 
 

@@ -231,6 +231,32 @@ def test_a_laser_that_reads_when_the_encoder_does_not_is_refused(name, encoder, 
         am.Simulation(rated(name, encoder, laser))
 
 
+def fleet(name, rates):
+    """A scenario of robots that differ in name and place, and whose encoders have these rates [Hz]."""
+    given = rated(name, None, None)
+    robot, robots = given.robots[0], []
+    for i, (called, rate) in enumerate(rates.items()):
+        sensors = {**robot.sensors, "encoder": attrs.evolve(robot.sensors["encoder"], rate=rate)}
+        pose = attrs.evolve(robot.pose, y=robot.pose.y + 0.7 * i)
+        robots.append(attrs.evolve(robot, name=called, pose=pose, sensors=sensors))
+    return attrs.evolve(given, robots=robots)
+
+
+@pytest.mark.parametrize("names", ["ab", "ba"])
+@pytest.mark.parametrize("name", ["ekf", "scan_matching", "monte_carlo", "grid_mapping", "grid_slam"])
+def test_an_encoder_that_is_too_slow_is_refused_whatever_robots_are_called(name, names):
+    with pytest.raises(am.ComponentError, match=r"reads at 2 Hz"):
+        am.Simulation(fleet(name, dict(zip(names, (None, 2.0), strict=True))))
+
+
+@pytest.mark.parametrize("replica", [0, 1])
+def test_an_encoder_that_is_slowed_in_one_replica_is_refused_in_the_next_episode(replica):
+    sim = am.Simulation(rated("grid_mapping", 10.0, None), replicas=2)
+    sim.set(sim.names[0], "sensors.encoder.rate", 2.0, replica=replica)
+    with pytest.raises(am.ComponentError, match=rf"2 Hz and 'laser' at 10 Hz on robot '{sim.names[0]}'; give"):
+        sim.reset()
+
+
 @pytest.mark.parametrize("name", ["monte_carlo", "grid_mapping", "grid_slam"])
 @pytest.mark.parametrize(("encoder", "laser"), [(2.0, 2.0), (3.0, 1.0), (None, 3.0), (10.0, None)])
 def test_a_laser_that_reads_only_when_the_encoder_does_is_allowed(name, encoder, laser):
