@@ -90,7 +90,9 @@ class GridMapping(MapArea, Estimator):
     hit: float = parameter(0.97, gt=0.5, lt=1, static=True, help="probability of a cell that a beam ended in")
     miss: float = parameter(0.4, gt=0, lt=0.5, static=True, help="probability of a cell that beams only crossed")
     certainty: float = parameter(0.9999, gt=0.5, lt=1, static=True, help="largest probability of a cell")
-    age_max: float = parameter(0.0, unit="s", ge=0, help="age at which a scan still counts as taken now")
+    age_max: float = parameter(
+        0.0, unit="s", ge=0, help="age at which a scan or encoder reading still counts as taken now"
+    )
 
     def sources(self) -> Sequence[tuple[str, str, str]]:
         """Where the poses come from, and what draws the map."""

@@ -101,7 +101,9 @@ class GridSlam(MapArea, Estimator):
     weighing_points: float = parameter(10.0, gt=0, static=True, help="how many independent points a scan counts as")
     resampling: float = parameter(0.5, ge=0, le=1, static=True, help="effective share below which it resamples")
     nodes: int = parameter(500, ge=2, le=20_000, static=True, help="the most scans in a map")
-    age_max: float = parameter(0.0, unit="s", ge=0, help="age at which a scan still counts as taken now")
+    age_max: float = parameter(
+        0.0, unit="s", ge=0, help="age at which a scan or encoder reading still counts as taken now"
+    )
 
     def sources(self) -> Sequence[tuple[str, str, str]]:
         """What moves the particles and what weighs them."""

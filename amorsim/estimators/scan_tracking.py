@@ -89,7 +89,9 @@ class ScanTracker(Estimator):
     )
     least_share: float = parameter(0.5, ge=0, le=1, static=True, help="share of points that must lie on the key scan")
     degenerate: float = parameter(0.01, ge=0, lt=1, static=True, help="ratio of eigenvalues that counts as degenerate")
-    age_max: float = parameter(0.0, unit="s", ge=0, help="age at which a scan still counts as taken now")
+    age_max: float = parameter(
+        0.0, unit="s", ge=0, help="age at which a scan or encoder reading still counts as taken now"
+    )
 
     def sources(self) -> Sequence[tuple[str, str, str]]:
         """What predicts the pose and what corrects it."""
