@@ -201,7 +201,7 @@ class _Messages:
                 yield when, topic, stamped(header=header, pose=self._with_covariance(pose, spread))
 
     def _commands(self, robot: Robot) -> Iterator[Sent]:
-        table, values = own_commands(self._files, robot, self._replica)
+        table, values = own_commands(self._files, robot.name, self._replica)
         channels = channels_of(robot)
         times = table["time"].tolist()
         topic = f"/{self._name(robot.name)}/command"
@@ -210,7 +210,7 @@ class _Messages:
             yield nanoseconds_of(time), topic, self._numbers(row, channels)
 
     def _readings(self, robot: Robot, name: str, unit: MountedSensor) -> Iterator[Sent]:
-        table, values = own_readings(self._files, robot, name, self._replica)
+        table, values = own_readings(self._files, robot.name, name, self._replica)
         topic = f"/{self._name(robot.name)}/{self._name(name)}"
         frame = self._frame(robot, name)
         for time, stamp, row in zip(table["time"].tolist(), table["stamp"].tolist(), values, strict=True):

@@ -135,7 +135,7 @@ def _messages(files: RunFiles) -> Iterator[Message]:
 
 
 def _commands(files: RunFiles, robot: Robot, replica: int) -> Iterator[Message]:
-    table, values = own_commands(files, robot, replica)
+    table, values = own_commands(files, robot.name, replica)
     channels = list(channels_of(robot))
     # A line has the command of the step that ended then; it was given at the end of the step before.
     for time, row in zip(table["time"].tolist(), values[1:].tolist(), strict=False):
@@ -143,7 +143,7 @@ def _commands(files: RunFiles, robot: Robot, replica: int) -> Iterator[Message]:
 
 
 def _readings(files: RunFiles, robot: Robot, name: str, replica: int) -> Iterator[Message]:
-    read, values = own_readings(files, robot, name, replica)
+    read, values = own_readings(files, robot.name, name, replica)
     unit, topic = robot.sensors[name], f"/{robot.name}/{name}"
     angles = beams_of(unit.sensor)
     mount = _pose(unit.mount.x, unit.mount.y, unit.mount.heading)

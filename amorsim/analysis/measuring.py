@@ -118,7 +118,7 @@ def _read(files: RunFiles, name: str, specified: Robot) -> npt.NDArray[Any]:
 
 def _commands(files: RunFiles, robot: Robot) -> Array:
     """A robot's commands `(S, R, channels)`, as a simulation keeps them: its own channels first, then nan."""
-    found = [own_commands(files, robot, replica)[1] for replica in files.replicas]
+    found = [own_commands(files, robot.name, replica)[1] for replica in files.replicas]
     steps = min(map(len, found))
     most = max(len(channels_of(each)) for each in files.scenario.robots)
     commands = np.full((steps, len(found), most), np.nan)

@@ -17,7 +17,7 @@ __all__ = ["own_commands", "own_readings"]
 Array = npt.NDArray[np.float64]
 
 
-def own_commands(files: RunFiles, robot: Robot, replica: int | None) -> tuple[Table, Array]:
+def own_commands(files: RunFiles, robot: str, replica: int | None) -> tuple[Table, Array]:
     """The lines of a robot in ``commands.csv``, and its commands `(lines, channels)`, in the order of its channels.
 
     Raises
@@ -25,11 +25,11 @@ def own_commands(files: RunFiles, robot: Robot, replica: int | None) -> tuple[Ta
     RunError
         If the file is damaged or lacks a channel, or the run has no such robot or replica.
     """
-    table = files.table("commands", robot=robot.name, replica=replica)
-    return table, _columns(files, "commands", table, channels_of(robot))
+    table = files.table("commands", robot=robot, replica=replica)
+    return table, _columns(files, "commands", table, channels_of(_specified(files, robot)))
 
 
-def own_readings(files: RunFiles, robot: Robot, sensor: str, replica: int | None) -> tuple[Table, Array]:
+def own_readings(files: RunFiles, robot: str, sensor: str, replica: int | None) -> tuple[Table, Array]:
     """The lines of a robot's sensor in its file, and what was measured `(samples, values)`.
 
     Raises
@@ -38,8 +38,13 @@ def own_readings(files: RunFiles, robot: Robot, sensor: str, replica: int | None
         If the file is damaged or lacks a value, or the run has no such robot or replica.
     """
     name = f"sensors/{sensor}"
-    table = files.table(name, robot=robot.name, replica=replica)
-    return table, _columns(files, name, table, [f"measured_{i}" for i in range(reading_size(robot, sensor))])
+    table = files.table(name, robot=robot, replica=replica)
+    size = reading_size(_specified(files, robot), sensor)
+    return table, _columns(files, name, table, [f"measured_{i}" for i in range(size)])
+
+
+def _specified(files: RunFiles, robot: str) -> Robot:
+    return next(each for each in files.scenario.robots if each.name == robot)
 
 
 def _columns(files: RunFiles, name: str, table: Table, keys: Sequence[str]) -> Array:

@@ -43,7 +43,7 @@ def entries_of_run(folder: Path, robot: Robot, replica: int | None) -> Iterator[
         If the run has not written the readings of a sensor that the robot had.
     """
     files = RunFiles(folder)
-    commands, given = own_commands(files, robot, replica)
+    commands, given = own_commands(files, robot.name, replica)
     own = next(each for each in files.scenario.robots if each.name == robot.name)
     unwritten = [name for name in robot.sensors if name in own.sensors and name not in files.sensors]
     if unwritten:
@@ -57,9 +57,9 @@ def entries_of_run(folder: Path, robot: Robot, replica: int | None) -> Iterator[
         for step, (time, command) in enumerate(zip(times, given, strict=True))
     }
     for name in files.sensors:
-        if name not in robot.sensors:
+        if name not in robot.sensors or name not in own.sensors:
             continue
-        table, measured = own_readings(files, robot, name, replica)
+        table, measured = own_readings(files, robot.name, name, replica)
         for time, stamp, values in zip(table["time"].tolist(), table["stamp"].tolist(), measured, strict=True):
             if time in entries:  # of a run that was killed, the last step may not be whole
                 entries[time].readings[name] = values

@@ -11,6 +11,7 @@ import pytest
 
 import amorsim as am
 from amorsim.analysis import RunFiles, export_run, read_log
+from amorsim.simulation.alike import reading_size
 
 DIGIT = 1e-6  # [m, rad] files of a run have six digits
 CHANGES = ["robots.rover.sensors.compass.rate=5.0", "robots.rover.sensors.compass.latency=0.1"]
@@ -71,6 +72,30 @@ def test_mistakes_are_named(run: Path) -> None:
         read_log(run, robot, command="/cmd_vel")
     with pytest.raises(am.AnalysisError, match="is not the folder of a run"):
         read_log(run / "none.mcap", robot, replica=0)
+
+
+def test_readings_of_another_size_than_the_robot_expects_are_refused(tmp_path: Path) -> None:
+    """Of a laser with fewer beams, they would be those of the first beams alone."""
+    robot = am.load("demo").robots[0]
+    am.run(am.load("demo"), tmp_path / "run", duration=0.2)
+    few = attrs.evolve(robot, sensors={**robot.sensors, "laser": am.MountedSensor(sensor=am.sensors.Laser(beams=3))})
+    beams = reading_size(robot, "laser")
+    first = next(entry for entry in read_log(tmp_path / "run", few) if "laser" in entry.readings)
+    runner = am.EstimatorRunner(few, "dead_reckoning")
+    with pytest.raises(am.AmorsimError, match=rf"expected 3 numbers as a reading of 'laser', got {beams}"):
+        runner.update(*first)
+
+
+def test_a_sensor_that_only_another_robot_of_the_run_has_gives_no_readings(tmp_path: Path) -> None:
+    demo = am.load("demo")
+    robot = demo.robots[0]
+    less = {name: unit for name, unit in robot.sensors.items() if name != "laser"}
+    blind = attrs.evolve(
+        robot, name="blind", sensors=less, estimators={}, controller=None, pose=attrs.evolve(robot.pose, x=3.0)
+    )
+    am.run(attrs.evolve(demo, robots=[robot, blind]), tmp_path / "run", duration=0.2)
+    log = list(read_log(tmp_path / "run", attrs.evolve(blind, sensors=robot.sensors)))
+    assert not any("laser" in entry.readings for entry in log)
 
 
 def test_a_run_without_its_readings_is_no_log_of_a_robot_that_stood(tmp_path: Path) -> None:
