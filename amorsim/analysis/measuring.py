@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.analysis.files import RunFiles
-from amorsim.analysis.own_columns import own_commands
+from amorsim.analysis.own_columns import own_channels
 from amorsim.contracts import Episode, Metric
 from amorsim.core.arguments import check_kind
 from amorsim.core.errors import AnalysisError
@@ -118,13 +118,13 @@ def _read(files: RunFiles, name: str, specified: Robot) -> npt.NDArray[Any]:
 
 def _commands(files: RunFiles, robot: Robot) -> Array:
     """A robot's commands `(S, R, channels)`, as a simulation keeps them: its own channels first, then nan."""
-    found = [own_commands(files, robot.name, replica)[1] for replica in files.replicas]
-    steps = min(map(len, found))
+    commands = files.arrays("commands", robot=robot.name)["command"]
+    given = [key for key in files.table("commands", replica="all") if key not in ("replica", "time", "robot")]
+    own = own_channels(files, robot.name, given)
     most = max(len(channels_of(each)) for each in files.scenario.robots)
-    commands = np.full((steps, len(found), most), np.nan)
-    for row, own in enumerate(found):
-        commands[:, row, : own.shape[1]] = own[:steps]
-    return commands
+    found = np.full((*commands.shape[:2], most), np.nan)
+    found[..., : len(own)] = commands[..., [given.index(channel) for channel in own]]
+    return found
 
 
 def _part_poses(files: RunFiles, robot: Robot) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -12,9 +12,22 @@ from amorsim.core.errors import RunError
 from amorsim.scenario.spec import Robot
 from amorsim.simulation.alike import channels_of, reading_size
 
-__all__ = ["own_commands", "own_readings"]
+__all__ = ["own_channels", "own_commands", "own_readings"]
 
 Array = npt.NDArray[np.float64]
+
+
+def own_channels(files: RunFiles, robot: str, columns: Collection[str]) -> tuple[str, ...]:
+    """A robot's channels, in their order, all of them among the columns of ``commands.csv``.
+
+    Raises
+    ------
+    RunError
+        If one is missing.
+    """
+    channels = channels_of(_specified(files, robot))
+    _check_columns(files, "commands", columns, channels)
+    return channels
 
 
 def own_commands(files: RunFiles, robot: str, replica: int | None) -> tuple[Table, Array]:
@@ -26,7 +39,7 @@ def own_commands(files: RunFiles, robot: str, replica: int | None) -> tuple[Tabl
         If the file is damaged or lacks a channel, or the run has no such robot or replica.
     """
     table = files.table("commands", robot=robot, replica=replica)
-    return table, _columns(files, "commands", table, channels_of(_specified(files, robot)))
+    return table, _values(table, own_channels(files, robot, table))
 
 
 def own_readings(files: RunFiles, robot: str, sensor: str, replica: int | None) -> tuple[Table, Array]:
@@ -39,16 +52,20 @@ def own_readings(files: RunFiles, robot: str, sensor: str, replica: int | None) 
     """
     name = f"sensors/{sensor}"
     table = files.table(name, robot=robot, replica=replica)
-    size = reading_size(_specified(files, robot), sensor)
-    return table, _columns(files, name, table, [f"measured_{i}" for i in range(size)])
+    keys = [f"measured_{i}" for i in range(reading_size(_specified(files, robot), sensor))]
+    _check_columns(files, name, table, keys)
+    return table, _values(table, keys)
 
 
 def _specified(files: RunFiles, robot: str) -> Robot:
     return next(each for each in files.scenario.robots if each.name == robot)
 
 
-def _columns(files: RunFiles, name: str, table: Table, keys: Sequence[str]) -> Array:
+def _check_columns(files: RunFiles, name: str, columns: Collection[str], keys: Sequence[str]) -> None:
     for key in keys:
-        if key not in table:
-            raise RunError(f"{files.folder / name}.csv, line 1: there is no column {key!r}, but: {', '.join(table)}")
+        if key not in columns:
+            raise RunError(f"{files.folder / name}.csv, line 1: there is no column {key!r}, but: {', '.join(columns)}")
+
+
+def _values(table: Table, keys: Sequence[str]) -> Array:
     return np.stack([table[key] for key in keys], axis=1)

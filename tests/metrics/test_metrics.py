@@ -238,6 +238,15 @@ def test_metrics_of_files_are_those_of_the_simulation(tmp_path: Path) -> None:
         measure(tmp_path / "run", Nis(estimator="nobody", source="gps"))
 
 
+def test_commands_that_lack_lines_are_refused(tmp_path: Path) -> None:
+    am.run(am.load("demo"), tmp_path / "run", replicas=2, duration=1.0)
+    path = tmp_path / "run" / "commands.csv"
+    lines = path.read_text().splitlines()
+    path.write_text("\n".join([line for i, line in enumerate(lines) if i not in (6, 8)]) + "\n")  # of one replica
+    with pytest.raises(am.RunError, match=r"commands\.csv: is damaged: expected as many lines"):
+        episode_of(RunFiles(tmp_path / "run"), ("command",))
+
+
 def test_commands_of_a_mixed_fleet_are_the_same_in_files_and_in_a_simulation(tmp_path: Path) -> None:
     scenario = am.load("convoy")
     am.run(scenario, tmp_path / "run", duration=0.5, replicas=2)
