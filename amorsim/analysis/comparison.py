@@ -35,7 +35,11 @@ _MADE_OF = ("seeds", "replicas", "duration", "amorsim", "python", "packages", "s
 
 @attrs.frozen(kw_only=True)
 class Summary:
-    """One system's values of a metric: their mean over seeds and replicas, and its 95 % interval."""
+    """One system's values of a metric: how many there are and how many are missing, and their mean and median.
+
+    The mean is that of all values, as `amorsim sweep` prints it. `low` and `high` are its 95 % interval, in which the
+    values of one seed and replica count as one, their mean: they had the same draws.
+    """
 
     label: str
     metric: str
@@ -342,14 +346,14 @@ def by_draws(values: Array, keys: Sequence[Key]) -> Array:
 def _summary(label: str, metric: str, values: Array, keys: Sequence[Key]) -> Summary:
     has_value = ~np.isnan(values)
     there = values[has_value]
-    means = by_draws(there, [key for key, is_there in zip(keys, has_value.tolist(), strict=True) if is_there])
-    low, high = bootstrap_interval(means) if len(means) > 1 else (math.nan, math.nan)
+    draws = by_draws(there, [key for key, is_there in zip(keys, has_value.tolist(), strict=True) if is_there])
+    low, high = bootstrap_interval(draws) if len(draws) > 1 else (math.nan, math.nan)
     return Summary(
         label=label,
         metric=metric,
         count=len(there),
         missing=len(values) - len(there),
-        mean=float(np.mean(means)) if len(means) else math.nan,
+        mean=float(np.mean(there)) if len(there) else math.nan,
         median=float(np.median(there)) if len(there) else math.nan,
         low=low,
         high=high,

@@ -77,10 +77,10 @@ def draw_metric(study: Study, metric: str) -> Figure:
             if not len(rows):
                 continue
             draws = list(zip(study["seed"][rows].tolist(), study["replica"][rows].tolist(), strict=True))
-            there = by_draws(study[metric][rows], draws)  # further axes have the same draws
-            interval = mean_interval(there) if len(there) > 1 else None
+            independent = by_draws(study[metric][rows], draws)  # further axes have the same draws
+            interval = mean_interval(independent) if len(independent) > 1 else None
             places.append(float(label) if is_number else float(place))
-            values.append(float(np.mean(there)))
+            values.append(float(np.mean(study[metric][rows])))
             halves.append(interval.half_width if interval else 0.0)
         style: dict[str, Any] = {"color": _COLOURS[number % 6], "marker": _MARKERS[number % 6]}
         label = None if line is None else f"{others[0].rpartition('.')[2]} = {line}"

@@ -109,6 +109,13 @@ def test_what_some_points_of_an_axis_lack_is_left_out_there_alone() -> None:
     assert (found.differences[0].pairs, found.differences[0].left_out) == (4, 1)
 
 
+def test_the_mean_of_a_system_is_that_of_its_values_also_where_some_are_missing() -> None:
+    values = {(x, 1, i): [float(10 * x + i)] for x in (1, 2) for i in range(3)}
+    values[2, 1, 0] = [math.nan]
+    first, _ = paired({"a": values, "b": values}, LOWER).summaries
+    assert (first.mean, first.count, first.missing) == (pytest.approx((10 + 11 + 12 + 21 + 22) / 5), 5, 1)
+
+
 def test_one_pair_has_no_effect_size() -> None:
     two = {"a": {(1, 0): [1.0]}, "b": {(1, 0): [2.0]}}
     (found,) = paired(two, LOWER).differences
