@@ -31,7 +31,7 @@ def export_run(
     ``"tum"``      true and estimated trajectories of each robot, replica and estimator, as the TUM benchmark has them
     ``"kitti"``    the same as KITTI has them
     ``"csv"``      the same as ``time,x,y,heading``
-    ``"parquet"``  every table of the run, column by column (needs pyarrow, the extra ``sweep``)
+    ``"parquet"``  every table of the run, those of plugins too, column by column (needs pyarrow, the extra ``sweep``)
     ``"mcap"``     one file for Foxglove: poses, readings, commands and events of the first replica (needs the extra
                    ``mcap``)
     ``"rosbag"``   a rosbag2, for ROS 2, of the first replica: clock, frames, odometry, truth, readings, commands (needs
@@ -99,10 +99,10 @@ def _tables(files: RunFiles, folder: Path) -> list[Path]:
     except ModuleNotFoundError:
         raise AnalysisError('Parquet needs pyarrow: python -m pip install "amorsim[sweep]"') from None
     made = []
-    for file in tables_of(files.folder):
+    for file in tables_of(files.folder, files.about.get("inputs", ())):
         name = file.relative_to(files.folder).with_suffix("").as_posix()
         path = folder / f"{name}.parquet"
-        path.parent.mkdir(exist_ok=True)
+        path.parent.mkdir(parents=True, exist_ok=True)
         # Texts are texts in a table without a line too, so that the tables of several runs fit together.
         columns = {
             key: pyarrow.array(values, pyarrow.string() if values.dtype == object else None)

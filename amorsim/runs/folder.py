@@ -9,7 +9,7 @@ import json
 import os
 import platform
 import sys
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -37,6 +37,7 @@ RUNS = "amorsim-runs"  # where folders go that nobody named
 ABOUT = "run.json"
 _TABLES = ("poses", "velocities", "commands", "events", "obstacles", "parts")
 _PLACES = ("sensors", "estimates", "beliefs")  # folders of further tables
+_MADE_LATER = ("export", "plots")  # folders of files that are made of the run's tables
 CLAIM = ".amorsim-claim"  # a folder that exists while a run claims the folder around it
 ROOM = ".amorsim-room"  # a file that reserves space until a run ends: on a full disk, the last run.json replaces it
 _LONGEST_LINE = 1 << 20  # bytes
@@ -206,20 +207,32 @@ class RunFolder:
         self.write_about(about)
 
 
-def tables_of(folder: Path) -> list[Path]:
-    """The text files of results in a run's folder; others there, as of a track, are copies of what it was given."""
+def tables_of(folder: Path, inputs: Collection[str]) -> list[Path]:
+    """The text files of results in a run's folder, those of recorders of plugins too.
+
+    Parameters
+    ----------
+    inputs
+        The names of the files that are copies of what the run was given, such as a track: ``inputs`` in ``run.json``.
+    """
+    found = ((path, path.relative_to(folder)) for path in folder.rglob("*.csv") if path.is_file())
+    return sorted(path for path, name in found if name.parts[0] not in _MADE_LATER and name.as_posix() not in inputs)
+
+
+def _own_tables(folder: Path) -> list[Path]:
+    """The tables that amorsim itself writes during a run."""
     own = (folder / f"{name}.csv" for name in _TABLES)
     more = (path for place in _PLACES for path in (folder / place).glob("*.csv"))
     return sorted(path for path in (*own, *more) if path.is_file())
 
 
 def last_time(folder: Path) -> float:
-    """The time [s] up to which all of a run's tables have lines, except tables of occasional things.
+    """The time [s] up to which all of a run's own tables have lines, except tables of occasional things.
 
     0 if one has none. A slow sensor's table ends before the others, even if it is complete.
     """
     times = []
-    for path in tables_of(folder):
+    for path in _own_tables(folder):
         if path.name in ("events.csv", "obstacles.csv") or path.parent.name == "beliefs":
             continue
         try:

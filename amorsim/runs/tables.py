@@ -170,7 +170,7 @@ def read_columns(path: Path, name: str, *, with_replicas: bool = False) -> dict[
         Of the file within the folder, without ``.csv``, such as ``"poses"`` or ``"sensors/laser"``: it says which
         columns there must be.
     with_replicas
-        Whether the column `replica` must be there.
+        Whether the column `replica` must be there, in amorsim's own files.
 
     Raises
     ------
@@ -245,7 +245,7 @@ def _header(path: Path, blocks: Iterator[tuple[int, list[str]]], name: str, with
             raise RunError(f"{path}, line 1: is damaged: there are {header.count(column)} columns {_shown(column)}")
     kind = _KINDS.get(name.partition("/")[0])
     needed = [] if kind is None else [*kind.finite, *kind.others]
-    for column in ["replica"] * with_replicas + needed:
+    for column in ["replica"] * (with_replicas and kind is not None) + needed:
         if column not in header:
             raise _missing(path, column, header)
     for column in header if name.startswith(("sensors/", "velocities")) else ():
