@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from amorsim.cli.console import compile_once, complain
 from amorsim.core.errors import RunError
-from amorsim.core.whole_files import check_place
 from amorsim.render.words import NOTHING
 
 if TYPE_CHECKING:
@@ -27,22 +27,29 @@ def read_study(name: str, changes: Sequence[str] | None, seed: int | None) -> Sc
 
 
 def check_out(out: Path | None) -> None:
-    """Raise the error of `claim_folder`, or of a file that cannot be written there, before any experiment.
+    """Raise an error if `claim_folder` could not make the folder, or no file could be written into it; makes nothing.
 
-    So it does for a folder that is not empty. It leaves no folder: until there is something to write.
+    Parameters
+    ----------
+    out
+        The folder that the user names; None for a new one under ``amorsim-runs``.
+
+    Raises
+    ------
+    RunError
+        If the folder is not empty, or cannot be made or written.
     """
-    from amorsim.runs.folder import RUNS, check_free, new_folder
+    from amorsim.runs.folder import RUNS, check_free
 
     check_free(out)
     place = Path.cwd() / RUNS if out is None else out
-    missing = [folder for folder in (place, *place.parents) if not folder.exists()]
-    if out is None:
-        new_folder("results").rmdir()
-    else:
-        _make(out)
-        check_place(out / "results")
-    for folder in missing:
-        folder.rmdir()
+    nearest = next(folder for folder in (place, *place.parents) if os.path.lexists(folder))
+    if out is None and nearest == place and not place.is_dir():
+        raise RunError(f"{place}: is in the way of the folder for runs; name one with --out")
+    if not nearest.is_dir():
+        raise RunError(f"{place}: cannot make this folder ({nearest} is no folder)")
+    if not os.access(nearest, os.W_OK | os.X_OK):
+        raise RunError(f"{place}: cannot make this folder or write into it (no permission to write in {nearest})")
 
 
 def claim_folder(out: Path | None, scenario: Scenario, what: str) -> Path:

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from amorsim.cli.study import check_out
+from amorsim.core.errors import RunError
 from amorsim.plugins.manager import default_registry
 from tests.cli.conftest import Command
 
@@ -93,6 +95,23 @@ def test_a_folder_that_cannot_be_made_is_reported_before_any_experiment(
     result = amorsim(name, study, *options)
     assert (result.status, result.out) == (2, "")
     assert "amorsim-runs: is in the way of the folder for runs" in result.err
+
+
+def test_to_look_whether_a_folder_can_be_made_makes_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Another process may be looking at the same time."""
+
+    def mkdir(*_: object, **__: object) -> None:
+        raise AssertionError("made a folder")
+
+    (tmp_path / "empty").mkdir()
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("os.mkdir", mkdir)
+    for out in (None, Path("new/of/mine"), tmp_path / "empty"):
+        check_out(out)
+    monkeypatch.setattr("os.access", lambda *_: False)
+    for out, says in ((None, "amorsim-runs"), (Path("new/of/mine"), "new/of/mine"), (tmp_path / "empty", "empty")):
+        with pytest.raises(RunError, match=rf"{says}: cannot make this folder or write into it .*no permission"):
+            check_out(out)
 
 
 @pytest.mark.usefixtures("just_installed")
