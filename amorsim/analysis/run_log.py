@@ -49,7 +49,7 @@ def entries_of_run(folder: Path, robot: Robot, replica: int | None) -> Iterator[
     if unwritten:
         raise AnalysisError(
             f"{folder}: the readings of {', '.join(unwritten)} were not written; to write them, also of more than 32 "
-            "replicas, run it again with recording.sensors = 'all'"
+            "replicas, run it again with recording.sensors = 'all', or pass the robot without these sensors"
         )
     times = commands["time"].tolist()
     entries = {

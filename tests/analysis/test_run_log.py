@@ -102,9 +102,12 @@ def test_a_run_without_its_readings_is_no_log_of_a_robot_that_stood(tmp_path: Pa
     scenario = am.load("landmarks", ["recording.sensors='none'"])
     am.run(scenario, tmp_path / "run", duration=0.5)
     with pytest.raises(
-        am.AnalysisError, match=r"readings of .*encoder.* were not written; .*recording.sensors = 'all'"
+        am.AnalysisError,
+        match=r"readings of .*encoder.* were not written; .*'all', or pass the robot without these sensors",
     ):
         list(read_log(tmp_path / "run", scenario.robots[0]))
+    without = attrs.evolve(scenario.robots[0], sensors={}, estimators={})
+    assert [entry.readings for entry in read_log(tmp_path / "run", without)] == [{}] * 6
 
 
 @pytest.mark.parametrize("kind", ["rosbag", "mcap"])
