@@ -110,13 +110,13 @@ def _on_bench(scenario: Scenario, robot: str | None, sensor: str) -> Robot:
 
 
 def _watch(
-    simulation: Simulation, sensor: str, steps: int, rate: Callable[[float], float]
+    simulation: Simulation, sensor: str, steps: int, rate: Callable[[float], float], element: int = 0
 ) -> tuple[Array, Array, npt.NDArray[np.int64]]:
     """What a sensor measured, turned at `rate` of the time [s] (rad/s).
 
-    Returns the readings that the runs held after each step `(T, R, k)`; the true poses of all ticks `(T + 1, R, 3)`;
-    and the ticks `(T, R)` that the readings are of, or -1 where no new one came in. So each reading counts once, when
-    it arrives; runs may get theirs at different times. The one of the start is left out.
+    Returns one element of the readings that the runs held after each step `(T, R)`; the true poses of all ticks
+    `(T + 1, R, 3)`; and the ticks `(T, R)` that the readings are of, or -1 where no new one came in. So each reading
+    counts once, when it arrives; runs may get theirs at different times. The one of the start is left out.
     """
     group = simulation._fleet.groups[0]
     poses, readings, stamps = [simulation.true_pose], [], []
@@ -125,7 +125,7 @@ def _watch(
         simulation.step()
         poses.append(simulation.true_pose)
         reading = group.readings[sensor]
-        readings.append(reading.measured)
+        readings.append(reading.measured[:, element].copy())  # a view would keep all elements
         stamps.append(np.where(reading.fresh & (reading.stamp > 0), reading.stamp, -1)[:, 0])
     return np.array(readings), np.array(poses), np.array(stamps, dtype=np.int64)
 
@@ -180,7 +180,7 @@ def calibrate_gyro(
         turned = wrap_angle(poses[ticks, run, 2] - poses[ticks - 1, run, 2]) / simulation.dt
         _check_readings(name, np.round(turned, 9), 2)
         design = np.stack((np.ones(len(turned)), turned), axis=1)
-        found.append(linear_fit(design, readings[there, run, 0]))
+        found.append(linear_fit(design, readings[there, run]))
     bias, scale = np.transpose(found)
     return name, {"bias": mean_interval(bias), "scale": mean_interval(scale)}
 
@@ -219,7 +219,7 @@ def calibrate_compass(
         h = poses[stamps[there, run], run, 2] + mount
         _check_readings(name, np.round(wrap_angle(h), 6), 8)
         design = np.stack((np.ones(len(h)), np.sin(h), np.cos(h), np.sin(2.0 * h), np.cos(2.0 * h)), axis=1)
-        found.append(linear_fit(design, wrap_angle(readings[there, run, 0] - h)))
+        found.append(linear_fit(design, wrap_angle(readings[there, run] - h)))
     return name, dict(zip("abcde", (mean_interval(row) for row in np.transpose(found)), strict=True))
 
 
@@ -291,10 +291,10 @@ def calibrate_range(
         replicas = range(number * runs, (number + 1) * runs)
         simulation = Simulation(before_wall(bench, far), replicas=replicas)
         steps = math.ceil(_READINGS * _wait(simulation, name) / simulation.dt + 1.0)
-        readings, _, stamps = _watch(simulation, name, steps, lambda _: 0.0)
+        readings, _, stamps = _watch(simulation, name, steps, lambda _: 0.0, element)
         for run in range(runs):
             _check_readings(name, stamps[stamps[:, run] >= 0, run], 2)
-        found.append(_spread(distance(far), readings[:, :, element], stamps >= 0, name))
+        found.append(_spread(distance(far), readings, stamps >= 0, name))
     return name, element, found
 
 

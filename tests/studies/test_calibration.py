@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tracemalloc
 from typing import Any
 
 import attrs
@@ -90,6 +91,18 @@ def test_a_compass_intervals_cover_what_was_put_in() -> None:
         for key, interval in calibrate_compass(scenario, runs=3)[1].items():
             hits[key] += interval.covers(put[key])
     assert min(hits.values()) >= ENOUGH
+
+
+def test_only_the_tested_beam_is_kept() -> None:
+    scenario = _scenario("laser", Laser(beams=721, range_max=8.0))
+    calibrate_range(scenario, runs=2)  # what is kept for good is made now
+    tracemalloc.start()
+    try:
+        calibrate_range(scenario, runs=8)
+        most = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert most < 200 * 8 * 721 * 8  # [bytes] of all beams of 200 readings in 8 runs
 
 
 def test_a_range_sensors_bias_and_spread_are_found() -> None:
