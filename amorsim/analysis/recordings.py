@@ -94,7 +94,8 @@ def read_log(
         Whose sensors and drive give the readings' meaning.
     topics
         By sensor, the topic of its readings, as ``{"laser": "/scan"}``. Without it, each sensor's is
-        ``/ROBOT/SENSOR``, as in exported runs; those that are not there are left out, but for all of them.
+        ``/ROBOT/SENSOR``, as in exported runs; sensors without a topic are left out, and if none has one, that is an
+        error.
     command
         The topic of commands, such as ``"/cmd_vel"``; without it, ``/ROBOT/command``, if it is there. A twist becomes
         the command that the nominal drive needs for it.
