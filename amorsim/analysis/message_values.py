@@ -136,9 +136,8 @@ def _counts(content: Any, sensor: Encoder, robot: Robot, topic: str) -> Array:
 def _ranges(kind: str, content: Any, sensor: Sensor, topic: str) -> Array:
     """The ranges of a scan, in the order of the sensor's own beams: by the angles at which they were measured."""
     ranges = np.asarray(content.ranges, dtype=np.float64)
-    if (
-        kind == "sensor_msgs/LaserScan"
-    ):  # some drivers give a full circle's end as the last angle, but none a wrong step
+    if kind == "sensor_msgs/LaserScan":
+        # Not from angle_max: some drivers give the end of a full circle there, one step past the last beam.
         angles = content.angle_min + content.angle_increment * np.arange(len(ranges))
     else:
         angles = np.linspace(content.start_angle, content.end_angle, len(ranges))
