@@ -174,8 +174,8 @@ def _criteria(node: Node) -> list[Criterion]:
             values.append(float(value))
         if values[0] < 0.0:
             child.child("points").fault(
-                f"expected 0 or more, got {values[0]:g}: a run that fails would have more; give points to what is "
-                "good, by none and full"
+                f"expected 0 or more, got {values[0]:g}: a run that fails would have more; give the points for what is "
+                "good; none and full say which values are good"
             )
         if values[1] == values[2]:
             child.child("full").fault("expected another value than for none, for the points lie between them")
