@@ -32,6 +32,8 @@ _POSE = {
     "properties": {"position": _numbers("x", "y", "z"), "orientation": _numbers("x", "y", "z", "w")},
 }
 _LIST = {"type": "array", "items": {"type": "number"}}
+# Foxglove Studio refuses a schema whose items have several types, so that texts and null are in its description alone.
+_VALUES = _LIST | {"description": 'Infinite numbers are "Infinity" or "-Infinity"; numbers that are none are null.'}
 # What of Foxglove's schemas is used: https://docs.foxglove.dev/docs/sdk/schemas; and one of our own, for numbers.
 _SCHEMAS: dict[str, dict[str, Any]] = {
     "foxglove.PoseInFrame": {"timestamp": _TIME, "frame_id": {"type": "string"}, "pose": _POSE},
@@ -59,7 +61,7 @@ _SCHEMAS: dict[str, dict[str, Any]] = {
         "file": {"type": "string"},
         "line": {"type": "integer"},
     },
-    VALUES: {"timestamp": _TIME, "labels": {"type": "array", "items": {"type": "string"}}, "values": _LIST},
+    VALUES: {"timestamp": _TIME, "labels": {"type": "array", "items": {"type": "string"}}, "values": _VALUES},
 }
 Message = tuple[float, str, str, dict[str, Any]]  # time [s], topic, schema, content
 _WARNING = 3

@@ -99,6 +99,20 @@ def test_an_mcap_file_is_read_back(run: Path, tmp_path: Path) -> None:
     assert scans[0][3] == pytest.approx(read["measured_3"][0])
 
 
+def test_each_field_of_an_mcap_file_has_one_type_as_foxglove_needs(run: Path, tmp_path: Path) -> None:
+    reader = pytest.importorskip("mcap.reader")
+    (path,) = export_run(run, "mcap", tmp_path)
+    with path.open("rb") as stream:
+        schemas = {
+            each.name: json.loads(each.data) for each in reader.make_reader(stream).get_summary().schemas.values()
+        }
+    fields = [field for schema in schemas.values() for field in schema["properties"].values()]
+    items = [field["items"] for field in fields if field["type"] == "array"]
+    assert len(items) >= 2
+    assert {each["type"] for each in fields + items} <= {"object", "array", "string", "number", "integer"}
+    assert "Infinity" in schemas["amorsim.Values"]["properties"]["values"]["description"]
+
+
 def test_what_is_missing_is_reported(run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(
         am.AnalysisError, match=r"no format 'bag'; expected one of tum, kitti, csv, parquet, mcap, rosbag$"
