@@ -53,9 +53,8 @@ class Navigate(Controller):
     The planner plans on the map that the robot was given (`knowledge.map`), or else on open ground, and adds what the
     robot has seen. The path keeps the reach of the footprint and the avoider's `clearance` from walls, so that the
     robot can turn anywhere on it; where no such way leads to the goal, or it is much longer, the reach alone, or else
-    `least_clearance`.
-    Planners with headings turn the footprint with the robot instead. The robot remembers what it sees around itself,
-    and plans again if that blocks its path.
+    `least_clearance`. Planners with headings turn the footprint with the robot instead. The robot remembers what it
+    sees around itself, and plans again if that blocks its path.
 
     If it stays in one place too long, it tries the `recovery` in turn, plans again after each, and gives up the goal
     after all were tried `rounds` times. Then it goes for the next goal. It reports ``goal_reached``, ``recovery`` and

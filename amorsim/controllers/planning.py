@@ -107,7 +107,9 @@ class Ways(NamedTuple):
             if plan is not None and status == "found":
                 found[room] = (plan.length, points)
             if room == self.narrow:
-                least = found[room][0] if room in found else np.inf
+                if room not in found:
+                    break  # nor is there a way with more room
+                least = found[room][0]
             if wide in found and found[wide][0] <= _DETOUR * least:
                 break
         if not found:

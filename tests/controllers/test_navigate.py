@@ -117,7 +117,7 @@ def test_backing_up_meets_nothing_and_moves_away():
 def test_backing_up_heeds_what_it_saw_before_its_trouble_began():
     """In a closed box it turns its back to a wall, forgets it while it waits, and has to back up; then it turns again.
 
-    Backing up for 2 s takes it 0.27 m, and leaves it 0.2 m of the box.
+    The box leaves no room for that.
     """
     x, y = 0.44, 0.48
     box = [(-x, -y, x, -y), (x, -y, x, y), (x, y, -x, y), (-x, y, -x, -y)]
@@ -257,6 +257,20 @@ def test_each_row_plans_on_the_map_that_it_knows():
     assert (plans[1][0], len(plans[1][1])) == ("found", 2)
     assert plans[0][0] == "found"
     assert plans[0][1][:, 1].max() > 1.5
+
+
+def test_where_no_way_is_wide_enough_none_with_more_room_is_looked_for(monkeypatch):
+    """The goal is nearer to the wall than the reach, and closed off: that it cannot be reached is the answer."""
+    asked = []
+    plan = am.planners.ThetaStar.plan
+    monkeypatch.setattr(
+        am.planners.ThetaStar, "plan", lambda self, *given, **named: asked.append(1) or plan(self, *given, **named)
+    )
+    closed = [(5.0, -2.9, 5.0, -2.2), (5.0, -2.2, 7.0, -2.2), (7.0, -2.2, 7.0, -2.9), (5.0, -2.9, 7.0, -2.9)]
+    robot = knowing(make(navigate((6.0, -2.6), rounds=0)), *closed)
+    simulation = simulate([robot], closed, duration=10.0)
+    assert said(simulation) == [("rover", "gave_up", "goal 1 of 1: no path: unreachable")]
+    assert len(asked) == 2 * simulation.frames()[0].beliefs["controller"]["plans"][0, 0]
 
 
 @pytest.mark.parametrize("answer", [lambda: None, lambda: 1 / 0])
