@@ -139,10 +139,8 @@ class Chain:
         late = np.zeros_like(elapsed)
         for i in self.delays:
             try:
-                more, longest = (
-                    self.elements[i].delay(elapsed, self.states[i], self.draws[i]),
-                    self.elements[i].longest_delay(),
-                )
+                more = self.elements[i].delay(elapsed, self.states[i], self.draws[i])
+                longest = self.elements[i].longest_delay()
             except RAISED as error:
                 self._blame(i, error)
             self._require(i, array_problem(more, "delays", elapsed.shape, "delay()"))
