@@ -1,4 +1,4 @@
-"""Sorting in place, by a heap: in a crowd, what is sorted are hundreds."""
+"""Sorting in place, by a heap, as a robot in a crowd may have hundreds of entries to sort."""
 
 from __future__ import annotations
 
