@@ -6,12 +6,13 @@ parallel, and the bits are those of one thread. No thread is shared between simu
 
 from __future__ import annotations
 
+import functools
 import itertools
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 
-__all__ = ["Workers", "cores"]
+__all__ = ["Workers", "cores", "in_turn"]
 
 LEAST_WORK = 8_000
 """Smaller work is not split: handing a slice to another thread takes up to 0.1 ms, and saves half of the work at most.
@@ -45,19 +46,33 @@ class Workers:
         `work_per_row` is the approximate cost of a row in rays; work too small to benefit from threads is done in one
         slice. An error in any slice is raised after all have ended.
         """
+        self.bind(rows, work_per_row, lambda first, end: functools.partial(work, first, end))()
+
+    def bind(
+        self, rows: int, work_per_row: int, prepare: Callable[[int, int], Callable[[], None]]
+    ) -> Callable[[], None]:
+        """A function that does the work of all `rows`, as `share`; ``prepare(first, end)`` returns that of a slice.
+
+        The slices are prepared now, once, and each call of the function does their work again.
+        """
+        if not rows:
+            return _nothing
         threads = min(self.threads, rows)
         if threads < 2 or rows * work_per_row < LEAST_WORK:
-            if rows:
-                work(0, rows)
-            return
+            return prepare(0, rows)
         ends = [rows * number // threads for number in range(threads + 1)]
+        mine, *others = itertools.starmap(prepare, itertools.pairwise(ends))
+        return functools.partial(self._together, mine, others)
+
+    def _together(self, mine: Callable[[], None], others: Sequence[Callable[[], None]]) -> None:
+        """Do the work of `others` in the other threads, and `mine` in this one."""
         pool = self._threads()
-        others = [pool.submit(work, *slice_) for slice_ in itertools.pairwise(ends[1:])]
+        handed_over = [pool.submit(other) for other in others]
         try:
-            work(0, ends[1])
+            mine()
         finally:
-            wait(others)
-        for other in others:
+            wait(handed_over)
+        for other in handed_over:
             other.result()
 
     def _threads(self) -> ThreadPoolExecutor:
@@ -65,3 +80,19 @@ class Workers:
             self._pool = ThreadPoolExecutor(self.threads - 1, thread_name_prefix="amorsim")
             self._process = os.getpid()
         return self._pool
+
+
+def in_turn(calls: Sequence[Callable[[], None]]) -> Callable[[], None]:
+    """One function that calls all of these in order."""
+    if len(calls) == 1:
+        return calls[0]
+
+    def call_all() -> None:
+        for call in calls:
+            call()
+
+    return call_all
+
+
+def _nothing() -> None:
+    """The work of no rows."""

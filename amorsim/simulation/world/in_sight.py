@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Callable
+
 import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Sightings
-from amorsim.core.map import Map
+from amorsim.core.workers import in_turn
 from amorsim.kernels.kinematics import poses
-from amorsim.kernels.raycast import body_normals, rays, scans
+from amorsim.kernels.raycast import body_normals, bresenham, rays, scans
 from amorsim.kernels.raycast import visibility as sight
 from amorsim.simulation.world.world import World
 
-__all__ = ["cast_walls", "find_landmarks", "look_about", "normals_at"]
+__all__ = ["bind_walls", "find_landmarks", "look_about", "normals_at"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -182,20 +185,40 @@ def look_along(
     met = np.full(ranges.shape, -1, dtype=np.int64)
     replica = world.replica_index[own]
 
-    def part(a: int, b: int) -> None:
-        for map_, rows in world.terrain.between(replica, a, b):
-            mine = rows if len(cos_b) > 1 else slice(None)
-            cast_walls(map_, lines[rows], cos_b[mine], sin_b[mine], range_max[rows], ranges[rows])
-
-    world.workers.share(len(lines), ranges.shape[1], part)
+    bind_walls(world, replica, lines, cos_b, sin_b, range_max, ranges)()
     if world.has_company:
-        world.cast(own, replica, lines, cos_b, sin_b, range_max, ranges, met)
+        world.bind_cast(own, replica, lines, cos_b, sin_b, range_max, ranges, met)()
     return ranges, met
 
 
-def cast_walls(map_: Map, origins: Array, cos_b: Array, sin_b: Array, range_max: Array, out: Array) -> None:
-    """Write the distances [m] `(Q, k)` to the walls of a map; arguments as those of `scans.cast_scans`."""
-    if cos_b.shape[1] == 1 or (len(cos_b) > 1 and cos_b.shape[1] < _FEW):
-        rays.cast(map_.grid, *map_.origin, origins, cos_b, sin_b, range_max, out)
-    else:
-        scans.cast_scans(map_.grid, map_.segment_index, *map_.origin, origins, cos_b, sin_b, range_max, out)
+def bind_walls(
+    world: World,
+    replica: Ints,
+    origins: Array,
+    cos_b: Array,
+    sin_b: Array,
+    range_max: Array,
+    out: Array,
+    traversal: str = "exact",
+) -> Callable[[], None]:
+    """A function that writes the distances [m] `(Q, k)` to the walls along beams into `out`, each time it is called.
+
+    `replica` `(Q,)` is the replica of each origin; the other arguments are those of `scans.cast_scans`. All arrays keep
+    their place.
+    """
+
+    def prepare(first: int, end: int) -> Callable[[], None]:
+        calls: list[Callable[[], None]] = []
+        for map_, rows in world.terrain.between(replica, first, end):
+            mine = rows if len(cos_b) > 1 else slice(None)
+            beams = origins[rows], cos_b[mine], sin_b[mine], range_max[rows], out[rows]
+            if traversal == "bresenham":
+                calls.append(functools.partial(bresenham.bresenham_cast, map_.grid, *map_.origin, *beams))
+            elif cos_b.shape[1] == 1 or (len(cos_b) > 1 and cos_b.shape[1] < _FEW):
+                calls.append(functools.partial(rays.cast, map_.grid, *map_.origin, *beams))
+            else:
+                walls = map_.grid, map_.segment_index, *map_.origin
+                calls.append(functools.partial(scans.cast_scans, *walls, *beams))
+        return in_turn(calls)
+
+    return world.workers.bind(len(origins), out.shape[1], prepare)

@@ -25,7 +25,7 @@ def neighbours_of(world: World, bodies: Ints, range_max: Array, ahead: Array) ->
     `range_max` and `ahead` are `(N,)`. The hash for contact has cells of a body's size, too many for a range of several
     metres, so this one is made for its range.
     """
-    crowd = Crowd(world.poses, world.twists, world.bodies.reach, world.owner)
+    crowd = Crowd(world.poses.copy(), world.twists.copy(), world.bodies.reach, world.owner)
     farthest = float(range_max.max() + world.bodies.reach.max())
     table = empty_hash(world.count, world.replicas, farthest / _CELLS)
     hash_bodies(crowd.poses, crowd.reach, crowd.owner, world.first, table)

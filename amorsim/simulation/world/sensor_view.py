@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,12 +13,12 @@ import numpy.typing as npt
 from amorsim.contracts import BodyStates, Emissions, FloorPoints, Lights, Neighbours, Sightings
 from amorsim.core.errors import ComponentError
 from amorsim.core.shapes import Shape
-from amorsim.core.workers import Workers
+from amorsim.core.workers import Workers, in_turn
 from amorsim.kernels.kinematics import poses
 from amorsim.kernels.numbers import all_indices
-from amorsim.kernels.raycast import bresenham, cones
+from amorsim.kernels.raycast import cones
 from amorsim.simulation.world.bumper_contacts import find_touched
-from amorsim.simulation.world.in_sight import cast_walls, find_landmarks, look_about, normals_at
+from amorsim.simulation.world.in_sight import bind_walls, find_landmarks, look_about, normals_at
 from amorsim.simulation.world.neighbourhood import neighbours_of
 from amorsim.simulation.world.world import CONE_WORK, World
 
@@ -86,26 +86,29 @@ class GroupView:
         row: Ints | None = None,
     ) -> Array:
         """Distances [m] to the nearest wall or other body; see `amorsim.contracts.View.cast`."""
+        out = np.empty((len(origins), np.shape(bearings)[-1] if np.ndim(bearings) else 0))
+        self.bind_cast(origins, bearings, range_max, out, traversal, bodies, row)()
+        return out
+
+    def bind_cast(
+        self,
+        origins: Array,
+        bearings: Array,
+        range_max: Array,
+        out: Array,
+        traversal: str = "exact",
+        bodies: bool = True,
+        row: Ints | None = None,
+    ) -> Callable[[], None]:
+        """A function that casts into `out`; see `amorsim.contracts.View.bind_cast`."""
         own, replica = self._carried("cast", origins, row)
         _check_bearings("cast", bearings, origins)
-        cos_b, sin_b = self._table(bearings)
         limits = self._limits("cast", range_max, origins, row)
-        out = np.empty((len(origins), bearings.shape[1]))
-        world = self._world
-
-        def part(a: int, b: int) -> None:
-            for map_, rows in world.terrain.between(replica, a, b):
-                mine = rows if len(cos_b) > 1 else slice(None)
-                beams = origins[rows], cos_b[mine], sin_b[mine], limits[rows], out[rows]
-                if traversal == "bresenham":
-                    bresenham.bresenham_cast(map_.grid, *map_.origin, *beams)
-                else:
-                    cast_walls(map_, *beams)
-
-        world.workers.share(len(origins), out.shape[1], part)
-        if bodies and world.has_company:
-            world.cast(own, replica, origins, cos_b, sin_b, limits, out)
-        return out
+        beams = origins, *self._table(bearings), limits, out
+        walls = bind_walls(self._world, replica, *beams, traversal)
+        if not (bodies and self._world.has_company):
+            return walls
+        return in_turn([walls, self._world.bind_cast(own, replica, *beams)])
 
     def _table(self, bearings: Array) -> Table:
         """Cosines and sines of the bearings; those of a scan that is the same for all rows are cached."""
@@ -222,20 +225,48 @@ class GroupView:
 
     def cone(self, origins: Array, half_angle: Array, range_max: Array, traversal: str = "exact") -> Array:
         """The nearest return in a cone; see `amorsim.contracts.View.cone`."""
+        self._carried("cone", origins)
+        out = np.empty((self.rows, len(origins) // self.rows))
+        self.bind_cone(origins, half_angle, range_max, out, traversal)()
+        return out
+
+    def bind_cone(
+        self, origins: Array, half_angle: Array, range_max: Array, out: Array, traversal: str = "exact"
+    ) -> Callable[[], None]:
+        """A function that writes the nearest returns into `out`; see `amorsim.contracts.View.bind_cone`."""
         own, replica = self._carried("cone", origins)
         per_row = len(origins) // self.rows
-        limits = self._per_origin(range_max, per_row)
-        out = np.empty(len(origins))
-        for angle, which in _by_width(half_angle, per_row):
-            if traversal == "bresenham":
-                out[which] = self.cast(origins, cone_bearings(angle), limits[:, None], traversal).min(axis=1)[which]
-                continue
-            here, there, table, reach = origins[which], replica[which], _cone_directions(angle), limits[which]
-            found = self._hear_walls(there, here, angle, *table, reach, _NO_RAYS)
+        limits, nearest = self._per_origin(range_max, per_row), out.reshape(-1)
+        widths = list(_by_width(half_angle, per_row))
+        if traversal == "bresenham":
+            return in_turn([self._bind_bresenham(origins, angle, limits, nearest, which) for angle, which in widths])
+
+        def of_width(angle: float, which: Any) -> Callable[[], None]:
+            here, found = origins[which], nearest[which]  # copies, if there are cones of other widths
+            beams = here, angle, *_cone_directions(angle), limits[which], found
+            calls = [self._bind_cone_walls(replica[which], *beams, _NO_RAYS)]
             if self._world.has_company:
-                self._world.hear(own[which], there, here, angle, *table, reach, found)
-            out[which] = found
-        return out.reshape(self.rows, per_row)
+                calls.append(self._world.bind_hear(own[which], replica[which], *beams))
+            if len(widths) > 1:
+                calls.insert(0, lambda: np.take(origins, which, axis=0, out=here))
+                calls.append(lambda: np.put(nearest, which, found))
+            return in_turn(calls)
+
+        return in_turn([of_width(angle, which) for angle, which in widths])
+
+    def _bind_bresenham(
+        self, origins: Array, angle: float, limits: Array, nearest: Array, which: Any
+    ) -> Callable[[], None]:
+        """A function that writes the nearest of the rays in cones of one width into `nearest[which]`."""
+        bearings = cone_bearings(angle)
+        ranges = np.empty((len(origins), bearings.shape[1]))
+        cast = self.bind_cast(origins, bearings, limits[:, None], ranges, "bresenham")
+
+        def nearest_of_all() -> None:
+            cast()
+            nearest[which] = ranges.min(axis=1)[which]
+
+        return nearest_of_all
 
     def nearest_wall(self, origins: Array, half_angle: Array, range_max: Array, rays: int) -> tuple[Array, Array]:
         """Bearing and range of the nearest wall in a cone; see `amorsim.contracts.View.nearest_wall`."""
@@ -247,7 +278,9 @@ class GroupView:
             bearings = angle * _fan(rays)
             ray = np.empty(len(out[which]), dtype=np.int64)
             table = self._table(bearings)
-            out[which] = self._hear_walls(replica[which], origins[which], angle, *table, limits[which], ray)
+            found = np.empty(len(ray))
+            self._bind_cone_walls(replica[which], origins[which], angle, *table, limits[which], found, ray)()
+            out[which] = found
             bearing[which] = bearings[0, ray]
         return bearing.reshape(self.rows, per_row), out.reshape(self.rows, per_row)
 
@@ -272,21 +305,32 @@ class GroupView:
             )
         return self._per_origin(range_max, len(origins) // self.rows)
 
-    def _hear_walls(
-        self, replica: Ints, origins: Array, half_angle: float, cos_b: Array, sin_b: Array, limits: Array, ray: Ints
-    ) -> Array:
-        """The nearest walls `(Q,)` in cones of one width, and in `ray` `(Q,)` or empty by which ray each is."""
-        out = np.empty(len(origins))
+    def _bind_cone_walls(
+        self,
+        replica: Ints,
+        origins: Array,
+        half_angle: float,
+        cos_b: Array,
+        sin_b: Array,
+        limits: Array,
+        out: Array,
+        ray: Ints,
+    ) -> Callable[[], None]:
+        """A function that writes the nearest walls `(Q,)` in cones of one width into `out`.
+
+        `ray` `(Q,)`, unless it is empty, gets by which ray each is.
+        """
         terrain = self._world.terrain
 
-        def part(a: int, b: int) -> None:
+        def prepare(a: int, b: int) -> Callable[[], None]:
+            calls: list[Callable[[], None]] = []
             for map_, rows in terrain.between(replica, a, b):
                 walls = map_.grid, map_.segment_index, *map_.origin
                 beams = origins[rows], half_angle, cos_b, sin_b, limits[rows]
-                cones.cast_cones(*walls, *beams, out[rows], ray[rows])
+                calls.append(functools.partial(cones.cast_cones, *walls, *beams, out[rows], ray[rows]))
+            return in_turn(calls)
 
-        self._world.workers.share(len(origins), CONE_WORK, part)
-        return out
+        return self._world.workers.bind(len(origins), CONE_WORK, prepare)
 
     def _carried(self, asked: str, origins: Array, row: Ints | None = None) -> tuple[Ints, Ints]:
         """The body that carries each origin, and its replica; of origins in turn, or of those of a `row` `(M,)`.

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -60,7 +60,7 @@ class World:
         The threads that share the rows of long work.
     poses, twists
         `(T, 3)` true poses in the world, and velocities [m/s, m/s, rad/s] over the last step in the bodies' frames;
-        replaced, never changed.
+        they keep their place. Set `poses` as a whole.
     clearance
         Distances of each body to walls and to other bodies; the search for contact keeps them from step to step.
     widest
@@ -116,7 +116,7 @@ class World:
         self.edge_rows = max((sum(map(len, shape.vertices)) for shape in shapes), default=0)
         self.widest = max((shape.reach for shape in shapes), default=1.0)
         self._hash: BodyHash | None = None
-        self._hashed: Array | None = None  # the poses that `_hash` is made from
+        self._hashed: Array | None = None  # the poses that `_hash` is made from; None once the bodies have moved
         self.first: Ints = np.arange(replicas + 1, dtype=np.int64) * self.count
         self.replica_index: Ints = np.repeat(np.arange(replicas, dtype=np.int64), self.count)
         self.everyone: Ints = np.arange(replicas * self.count, dtype=np.int64)
@@ -124,12 +124,22 @@ class World:
         self.owner: Ints = (self.first[:-1, None] + whose).reshape(-1)
         self.parts: Ints = np.flatnonzero(self.owner != self.everyone)
         self.same_owner = _rings(self.owner)
-        self.poses: Array = np.zeros((replicas * self.count, 3))
+        self._poses: Array = np.zeros((replicas * self.count, 3))
         self.twists: Array = np.zeros((replicas * self.count, 3))
         nothing = np.zeros(replicas * self.count)
-        self.clearance = Clearance(np.full_like(self.poses, np.nan), nothing, nothing.copy())
+        self.clearance = Clearance(np.full_like(self._poses, np.nan), nothing, nothing.copy())
         self.emissions: dict[str, Emitted] = {}
         self.marks_near = 0  # about as many as the last search found: the size of the next one's buffers
+
+    @property
+    def poses(self) -> Array:
+        """The true poses `(T, 3)` of all bodies in the world; an array that keeps its place."""
+        return self._poses
+
+    @poses.setter
+    def poses(self, poses: Array) -> None:
+        self._poses[...] = poses
+        self._hashed = None
 
     def name(self, body: int) -> str:
         """The name of a body, the same in every replica."""
@@ -177,7 +187,7 @@ class World:
         return out
 
     def by_place(self, poses: Array) -> BodyHash:
-        """The spatial hash of the bodies at `poses` `(T, 3)`; made once per array, which must not change."""
+        """The spatial hash of the bodies at `poses` `(T, 3)`; made once per array, until the bodies move."""
         if self._hash is None or poses is not self._hashed:
             if self._hash is None:
                 self._hash = empty_hash(self.count, self.replicas, 2.0 * self.widest)
@@ -210,7 +220,7 @@ class World:
             a, b = a[apart], b[apart]
         return a, b
 
-    def cast(
+    def bind_cast(
         self,
         own: Ints,
         replica: Ints,
@@ -220,36 +230,23 @@ class World:
         range_max: Array,
         out: Array,
         hit: Ints | None = None,
-    ) -> None:
-        """Lower `out` where another body of the same replica is nearer; see `body_rays.cast_bodies`.
+    ) -> Callable[[], None]:
+        """A function that lowers `out` where another body of the same replica is nearer; see `body_rays.cast_bodies`.
 
         `hit`, if given, is like `out`, is filled with -1, and gets the body that a beam hits. A robot `own` `(N,)` sees
         neither itself nor its parts.
         """
-        bodies, poses, edge_rows, table, widest = self.met()
-        cast = body_beams.cast_beams if cos_b.shape[1] == 1 else body_rays.cast_bodies
+        cast: Any = body_beams.cast_beams if cos_b.shape[1] == 1 else body_rays.cast_bodies
 
-        def part(a: int, b: int) -> None:
+        def prepare(a: int, b: int) -> Callable[[], None]:
             mine = slice(a, b) if len(cos_b) > 1 else slice(None)
-            cast(
-                bodies,
-                poses,
-                edge_rows,
-                table,
-                widest,
-                replica[a:b],
-                own[a:b],
-                origins[a:b],
-                cos_b[mine],
-                sin_b[mine],
-                range_max[a:b],
-                out[a:b],
-                _NO_HITS if hit is None else hit[a:b],
-            )
+            beams: Any = replica[a:b], own[a:b], origins[a:b], cos_b[mine], sin_b[mine], range_max[a:b], out[a:b]
+            hits = _NO_HITS if hit is None else hit[a:b]
+            return lambda: cast(*self.met(), *beams, hits)
 
-        self.workers.share(len(origins), cos_b.shape[1], part)
+        return self.workers.bind(len(origins), cos_b.shape[1], prepare)
 
-    def hear(
+    def bind_hear(
         self,
         own: Ints,
         replica: Ints,
@@ -259,28 +256,14 @@ class World:
         sin_b: Array,
         range_max: Array,
         out: Array,
-    ) -> None:
-        """Lower `out` `(N,)` where another body in a cone is nearer; see `body_cones.nearest_bodies`."""
-        bodies, poses, edge_rows, table, widest = self.met()
+    ) -> Callable[[], None]:
+        """A function that lowers `out` `(N,)` where a body in a cone is nearer; see `body_cones.nearest_bodies`."""
 
-        def part(a: int, b: int) -> None:
-            body_cones.nearest_bodies(
-                bodies,
-                poses,
-                edge_rows,
-                table,
-                widest,
-                replica[a:b],
-                own[a:b],
-                origins[a:b],
-                half_angle,
-                cos_b,
-                sin_b,
-                range_max[a:b],
-                out[a:b],
-            )
+        def prepare(a: int, b: int) -> Callable[[], None]:
+            before, after = (replica[a:b], own[a:b], origins[a:b]), (range_max[a:b], out[a:b])
+            return lambda: body_cones.nearest_bodies(*self.met(), *before, half_angle, cos_b, sin_b, *after)
 
-        self.workers.share(len(origins), CONE_WORK, part)
+        return self.workers.bind(len(origins), CONE_WORK, prepare)
 
     def met(self) -> tuple[Bodies, Array, int, BodyHash, float]:
         """The bodies at their present poses, as the kernels that look for them take them."""
