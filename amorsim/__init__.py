@@ -130,7 +130,7 @@ if TYPE_CHECKING:
     from amorsim.simulation.estimator_runner import EstimatorRunner
     from amorsim.simulation.events import Event
     from amorsim.simulation.noise_stages import KeptStages, Stage, keep_stages
-    from amorsim.simulation.phases import PHASES
+    from amorsim.simulation.schedule import PHASES
     from amorsim.simulation.simulation import Simulation
     from amorsim.sweeps.sweep import sweep
     from amorsim.sweeps.table import Study, read_study
@@ -179,7 +179,7 @@ _MODULES = {
     "amorsim.runs.reproduce": "reproduce",
     "amorsim.runs.run": "run",
     "amorsim.runs.session": "RunSession RunSummary record",
-    "amorsim.simulation.phases": "PHASES",
+    "amorsim.simulation.schedule": "PHASES",
     "amorsim.simulation.simulation": "Simulation",
     "amorsim.simulation.noise_stages": "KeptStages Stage keep_stages",
     "amorsim.sweeps.sweep": "sweep",

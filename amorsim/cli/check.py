@@ -23,6 +23,7 @@ def command(
     resolved: Annotated[
         bool, typer.Option("--resolved", help="Print the scenario with its models and all defaults filled in.")
     ] = False,
+    schedule: Annotated[bool, typer.Option("--schedule", help="Print the calls that make a step, in order.")] = False,
     resolution: Resolution = None,
     changes: Changes = None,
     time_limit: Annotated[
@@ -81,6 +82,8 @@ def command(
         from amorsim.scenario.write import resolved_table, table_text
 
         say(table_text(resolved_table(simulation.scenario), with_remarks=True).rstrip())
+    elif schedule:
+        say(str(simulation.schedule))
     elif of_model:
         robot = simulation.scenario.robots[0]
         sensors = ", ".join(robot.sensors) or "no sensors"

@@ -15,6 +15,7 @@ never ``@``, ``dot`` or a sum over the rows. `amorsim.testing.check_component` t
 
 from __future__ import annotations
 
+from amorsim.contracts.binding import ControllerBinding, DriveBinding, EstimatorBinding, SensorBinding
 from amorsim.contracts.controller import Controller
 from amorsim.contracts.estimator import Estimator
 from amorsim.contracts.map_loader import MapLoader
@@ -25,6 +26,7 @@ from amorsim.contracts.planner import Plan, Planner
 from amorsim.contracts.recorder import Frame, ObstacleFrame, Recorder, RunInfo
 from amorsim.contracts.robot import Context, Drive, Joint, Part, RobotModel, Sensor, SensorModel
 from amorsim.contracts.scenario_loader import ScenarioDocument, ScenarioLoader
+from amorsim.contracts.side import Side
 from amorsim.contracts.values import Aim, Beliefs, Clock, Estimate, LazyBeliefs, Measurement, State
 from amorsim.contracts.view import BodyStates, Emission, Emissions, FloorPoints, Lights, Neighbours, Sightings, View
 from amorsim.contracts.world_generator import WorldGenerator
@@ -40,13 +42,16 @@ __all__ = [
     "Clock",
     "Context",
     "Controller",
+    "ControllerBinding",
     "Draws",
     "Drive",
+    "DriveBinding",
     "Emission",
     "Emissions",
     "Episode",
     "Estimate",
     "Estimator",
+    "EstimatorBinding",
     "FloorPoints",
     "Frame",
     "Joint",
@@ -70,7 +75,9 @@ __all__ = [
     "ScenarioDocument",
     "ScenarioLoader",
     "Sensor",
+    "SensorBinding",
     "SensorModel",
+    "Side",
     "Sightings",
     "State",
     "View",

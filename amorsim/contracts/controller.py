@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import abc
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
+from amorsim.contracts.binding import ControllerBinding, simple_form_first
 from amorsim.contracts.robot import Component, RobotModel
 from amorsim.contracts.values import Array, Beliefs, Clock, Estimate, Measurement, State
 from amorsim.core.draws import Draws
@@ -14,6 +16,25 @@ __all__ = ["Controller"]
 
 class Controller(Component, abc.ABC):
     """Computes a command from readings and estimate. A plain function for one robot works as well."""
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        simple_form_first(cls, {"command": "bind"}, Controller)
+
+    def bind(self, at: ControllerBinding) -> Callable[[], None]:
+        """The function that each step calls: it writes the command into ``at.out``.
+
+        By default it calls `command`; override it, too, for a controller that runs as a kernel on the engine's own
+        arrays.
+        """
+
+        def command() -> None:
+            # Copies: what is given may be written into, and the engine's arrays are in use.
+            estimate = Estimate(at.estimate.pose.copy(), at.estimate.covariance.copy())
+            clock = Clock(tick=at.tick.copy(), time=at.time.copy(), dt=at.dt)
+            at.answer(self.command(at.robot, at.copied_readings, estimate, clock, at.state, at.draws))
+
+        return command
 
     @abc.abstractmethod
     def command(

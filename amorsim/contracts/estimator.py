@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import abc
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.contracts.binding import EstimatorBinding, simple_form_first
 from amorsim.contracts.robot import Component, RobotModel
 from amorsim.contracts.values import Array, Beliefs, Estimate, Measurement, State
 from amorsim.core.draws import Draws
@@ -20,6 +22,22 @@ ESTIMATES = "estimators."
 
 class Estimator(Component, abc.ABC):
     """Estimates the robot's pose from its readings, the nominal robot and its knowledge, never from the true world."""
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        simple_form_first(cls, {"update": "bind"}, Estimator)
+
+    def bind(self, at: EstimatorBinding) -> Callable[[], None]:
+        """The function that each step calls: it writes the estimate into ``at.out``.
+
+        By default it calls `update`; override it, too, for an estimator that runs on the engine's own arrays.
+        """
+
+        def update() -> None:
+            given = at.robot, at.copied_readings(), at.command.copy(), at.elapsed()
+            at.answer(self.update(*given, at.state, at.draws))
+
+        return update
 
     @abc.abstractmethod
     def update(

@@ -39,7 +39,9 @@ class Noise(Component):
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
         """The corrupted values `(N, k)`; `elapsed` `(N, 1)` [s] since the previous sample (0 at the first)."""
         program = NoiseProgram([values.shape[1]], [[(step, draws) for step in self.steps()]])
-        return program.apply(np.ravel(values)).reshape(values.shape)
+        out = np.empty(values.shape)
+        program.apply(np.ravel(values), out.reshape(-1))
+        return out
 
     def slide(self, motion: Array, elapsed: Array, state: State, draws: Draws) -> Array:
         """The body's slide in a step `(N, 3)` [m, m, rad], in addition to the `motion` that its wheels make.

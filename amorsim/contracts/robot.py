@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import abc
-from collections.abc import Mapping, Sequence
-from typing import ClassVar, NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, ClassVar, NamedTuple
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.contracts.binding import DriveBinding, SensorBinding, simple_form_first
 from amorsim.contracts.values import Aim, Array, Beliefs, State
 from amorsim.contracts.view import Emission, View
 from amorsim.core.draws import Draws
@@ -55,6 +56,22 @@ class Drive(Component, abc.ABC):
     channels: ClassVar[tuple[str, ...]]  # of a command, in order; joint rates [rad/s] or positions [rad]
     # Further bodies of the robot; this may be a property as well.
     parts: ClassVar[tuple[Part, ...]] = ()
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        simple_form_first(cls, {"advance": "bind"}, Drive)
+
+    def bind(self, at: DriveBinding) -> Callable[[], None]:
+        """The function that each step calls: it moves the joints, and writes what `advance` returns into ``at.out``.
+
+        By default it calls `advance`; override it, too, for joints that move by a kernel on the engine's own arrays.
+        """
+
+        def advance() -> None:
+            copies = at.joints.copy(), at.joint_rates.copy(), at.command.copy()
+            at.answer(*self.advance(*copies, at.dt, at.state, at.draws))
+
+        return advance
 
     @abc.abstractmethod
     def advance(
@@ -147,6 +164,10 @@ class Sensor(Component, abc.ABC):
     medium: ClassVar[str] = ""  # what it emits into, for others to hear: "ultrasound" ...; or a static field
     channels: ClassVar[tuple[str, ...]] = ()  # of its own commands, if it takes any: ("pan", "tilt")
 
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        simple_form_first(cls, {"sense": "bind"}, Sensor)
+
     @abc.abstractmethod
     def size(self, drive: Drive) -> int:
         """The number of values in a reading on a robot with this drive; it depends on static parameters only."""
@@ -154,6 +175,19 @@ class Sensor(Component, abc.ABC):
     @abc.abstractmethod
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
         """The ideal reading `(N, k)`, and by name what else the chain may need (incidence ...), each `(N, k)`."""
+
+    def bind(self, at: SensorBinding) -> Callable[[], None]:
+        """The function that each step calls: it senses, and writes the ideal reading into ``at.out``.
+
+        By default it calls `sense`. Override it, too, for a sensor that runs as a kernel on the engine's own arrays.
+        It is called again when parameters change and when an episode begins.
+        """
+
+        def sense() -> None:
+            values, side = self.sense(at.look(), Aim() if at.aim is None else at.aim(), at.state, at.draws)
+            at.answer(values, side)
+
+        return sense
 
     def columns(self) -> Mapping[str, str]:
         """Names and units of the columns of a reading, if its values are not all one quantity in `unit`.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -141,11 +141,31 @@ class View(Protocol):
             The row `(M,)` of each origin, if rows have different numbers of them; `range_max` is `(M, 1)` then.
         """
 
+    def bind_cast(
+        self,
+        origins: Array,
+        bearings: Array,
+        range_max: Array,
+        out: Array,
+        traversal: str = "exact",
+        bodies: bool = True,
+        row: npt.NDArray[np.int64] | None = None,
+    ) -> Callable[[], None]:
+        """A function that writes what `cast` returns into `out` `(M, k)`, each time it is called; for `Sensor.bind`.
+
+        It keeps `origins` and `out`, which must keep their place, and takes the other arguments as they are now.
+        """
+
     def cone(self, origins: Array, half_angle: Array, range_max: Array, traversal: str = "exact") -> Array:
         """The nearest return [m] `(N, m)` within a cone at each of `origins` `(N * m, 3)`, inf for none.
 
         It is the minimum over rays at most 0.05 degrees apart, both edges included; `half_angle` [rad] is `(N, 1)`.
         """
+
+    def bind_cone(
+        self, origins: Array, half_angle: Array, range_max: Array, out: Array, traversal: str = "exact"
+    ) -> Callable[[], None]:
+        """A function that writes what `cone` returns into `out` `(N, m)`, as `bind_cast` does for `cast`."""
 
     def nearest_wall(self, origins: Array, half_angle: Array, range_max: Array, rays: int) -> tuple[Array, Array]:
         """Bearing [rad] and range [m] `(N, m)` of the nearest wall within a cone at each of `origins` `(N * m, 3)`.

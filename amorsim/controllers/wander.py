@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import attrs
@@ -14,6 +15,7 @@ from amorsim.contracts import (
     Clock,
     Context,
     Controller,
+    ControllerBinding,
     Draws,
     Estimate,
     Measurement,
@@ -122,6 +124,34 @@ class Wander(Controller):
             "trail": np.zeros((context.rows, _PLACES, 2)),
         }
 
+    def bind(self, at: ControllerBinding) -> Callable[[], None]:
+        """Decide by a kernel on the engine's own arrays, for robots that turn in place with their bodies."""
+        robot, state, draws = at.robot, at.state, at.draws
+        joints = at_rest(robot)
+        if robot.drive.heading_offset(joints) is not None or not np.isinf(state["curvature"]).all():
+            return super().bind(at)
+        reading, twist = at.readings[self.sensor], np.empty((robot.rows, 3))
+        sight = Sight(reading.measured, state["beams"], state["half_angle"], self._samples(robot))
+        chance = wandering.Chance(draws.keys, draws.counter, 0)  # the first draws of each tick
+        given = reading.age, at.estimate.pose, state["body"], self._wish(), chance, at.dt
+        kept = state["memory"], state["trail"]
+        decide = draws.bind_share(
+            _WORK, lambda first, end: functools.partial(wandering.wander, sight, *given, *kept, first, end, twist)
+        )
+
+        def command() -> None:
+            decide()
+            at.out[:, : len(robot.drive.channels)] = robot.drive.command_for(twist, joints)
+
+        return command
+
+    def _samples(self, robot: RobotModel) -> int:
+        """The number of points that stand for a return of the sensor."""
+        return _ARC_SAMPLES if hasattr(robot.sensors[self.sensor].sensor, "half_angle") else 1
+
+    def _wish(self) -> wandering.Wish:
+        return wandering.Wish(self.speed, self.turn_rate, self.clearance)
+
     def command(
         self,
         robot: RobotModel,
@@ -134,16 +164,15 @@ class Wander(Controller):
         """The command `(N, c)` of this step."""
         reading = readings[self.sensor]
         joints = joints_of(robot, readings)
-        is_cone = hasattr(robot.sensors[self.sensor].sensor, "half_angle")
         twist = np.empty((robot.rows, 3))
         sight = Sight(
             reading.measured,
             turned_beams(robot, state["beams"], joints),
             state["half_angle"],
-            _ARC_SAMPLES if is_cone else 1,
+            self._samples(robot),
         )
         poses = heading_poses(robot, estimate.pose, joints)
-        wish = wandering.Wish(self.speed, self.turn_rate, self.clearance)
+        wish = self._wish()
         chance = wandering.Chance(*draws.reserve(2))
         turns = np.isinf(state["curvature"])
         if turns.any():

@@ -108,6 +108,12 @@ class Draws:
         else:
             self._workers.share(len(self._keys), work_per_row, work)
 
+    def bind_share(self, work_per_row: int, prepare: Callable[[int, int], Callable[[], None]]) -> Callable[[], None]:
+        """A function that does the work of all rows, as `share`; ``prepare(first, end)`` returns that of a slice."""
+        if self._workers is None:
+            return prepare(0, len(self._keys))
+        return self._workers.bind(len(self._keys), work_per_row, prepare)
+
     def normal(self, k: int = 1) -> Array:
         """Standard normal draws `(N, k)`, independent in all rows, columns, calls and ticks."""
         return self._fill(philox.fill_normal, k)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import functools
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -110,22 +111,31 @@ class NoiseProgram:
         costs = [size * _WORK.get(step.kind, 0.05) for size, its in zip(sizes, steps, strict=True) for step, _ in its]
         self._work = 1 + int(sum(costs))
 
-    def apply(self, values: Array) -> Array:
-        """The values `(V,)` after the steps, device by device, with the next draws of the tick.
+    def apply(self, values: Array, out: Array) -> None:
+        """Write into `out` `(V,)` the values `(V,)` after the steps, device by device, with the next draws of the tick.
 
         For each device, the values of row 0 come first.
         """
+        self.bind(values, out)()
+
+    def bind(self, values: Array, out: Array) -> Callable[[], None]:
+        """A function that does what `apply` does, each time it is called, for arrays that keep their place."""
         if self._draws is None:
-            return values
-        for s, draws, size in self._random:
-            self._blocks[s] = draws.next_block(size)
-        out = np.empty(values.shape)
+            return functools.partial(np.copyto, out, values)
+        blocks, random = self._blocks, self._random
+        work = self._draws.bind_share(
+            self._work,
+            lambda first, end: functools.partial(
+                kernels.take_steps, first, end, self._program, self._blocks, values, out
+            ),
+        )
 
-        def work(first: int, end: int) -> None:
-            kernels.take_steps(first, end, self._program, self._blocks, values, out)
+        def apply() -> None:
+            for s, draws, size in random:
+                blocks[s] = draws.next_block(size)
+            work()
 
-        self._draws.share(self._work, work)
-        return out
+        return apply
 
 
 def _drawing(sizes: Sequence[int], steps: Sequence[Sequence[tuple[NoiseStep, Draws]]]) -> Iterator[tuple[Draws, int]]:

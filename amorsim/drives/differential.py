@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Draws, Joint, State, parameter
+from amorsim.contracts import Draws, DriveBinding, Joint, State, parameter
 from amorsim.core.parameters import own_first
 from amorsim.drives.motors import Motors
 from amorsim.kernels.kinematics import odometry
@@ -45,6 +47,12 @@ class Differential(Motors):
     wheel_radius_right: float = parameter(unit="m", ge=1e-4, le=10, help="radius of the right wheel")
     track: float = parameter(unit="m", ge=1e-3, le=100, help="distance between the wheels' points of contact")
     rate_max: float = parameter(unit="rad/s", gt=0, le=1e6, help="fastest that a wheel turns")
+
+    def bind(self, at: DriveBinding) -> Callable[[], None]:
+        """Move the wheels by a kernel."""
+        acceleration, lag = self._acceleration(at.rows), self.lag
+        rates = at.joint_rates, at.command, self.rate_max, acceleration, lag
+        return functools.partial(odometry.drive_wheels, at.joints, *rates, at.dt, at.out)
 
     def advance(
         self, joints: Array, rates: Array, command: Array, dt: float, state: State, draws: Draws

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import attrs
 import numpy as np
@@ -13,13 +13,14 @@ from amorsim.contracts import (
     Draws,
     Estimate,
     Estimator,
+    EstimatorBinding,
     Measurement,
     RobotModel,
     State,
     parameter,
 )
 from amorsim.estimators.starts import covariance_at_start, refuse_lost
-from amorsim.estimators.wheels import angles_of, check_encoder, reckon
+from amorsim.estimators.wheels import angles_of, carry, check_encoder, reckon, step_of
 
 __all__ = ["DeadReckoning"]
 
@@ -66,6 +67,21 @@ class DeadReckoning(Estimator):
             "covariance": covariance_at_start(context),
             "joints": np.full((context.rows, len(context.robot.drive.joints)), np.nan),
         }
+
+    def bind(self, at: EstimatorBinding) -> Callable[[], None]:
+        """Reckon on the engine's own arrays."""
+        pose, covariance, joints = (at.state[name] for name in ("pose", "covariance", "joints"))
+        measured, drive = at.readings[self.encoder].measured, at.robot.drive
+        radius = np.ascontiguousarray(drive.rolling_radius())
+
+        def update() -> None:
+            before, after = angles_of(at.robot, self.encoder, measured, joints)
+            found = carry(step_of(drive, before, after, radius), pose, covariance, self.wheel_variance)
+            at.out.pose[:] = pose[:] = found.pose
+            at.out.covariance[:] = covariance[:] = found.covariance
+            joints[:] = after
+
+        return update
 
     def update(
         self,

@@ -91,15 +91,15 @@ class Reckoned(NamedTuple):
     turn: Array  # (N, 1) [rad] over the motion
 
 
-def step_of(drive: Drive, before: Array, after: Array) -> Step:
-    """The motion as the joints `(N, j)` of a nominal drive move.
+def step_of(drive: Drive, before: Array, after: Array, radius: Array | None = None) -> Step:
+    """The motion as the joints `(N, j)` of a nominal drive move; `radius` is its `rolling_radius`, if that is known.
 
     Joints that are nan, as `angles_of` gives before the first reading, have not moved.
     """
     if has_nan(after.ravel()):
         before, after = np.nan_to_num(before), np.nan_to_num(after)
     rolling = _rolling(drive.joints)
-    radius = drive.rolling_radius()
+    radius = drive.rolling_radius() if radius is None else radius
     whole, twist = _whole(len(after)), drive.twist(before, after)
     displacement = exponential(twist, whole) if drive.goes_on_arcs else drive.displacement(before, after, whole)
     jacobian = _jacobian(drive, before, after, rolling, radius)

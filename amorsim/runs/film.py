@@ -59,7 +59,7 @@ class Film:
 
     def _take(self) -> None:
         world = self._simulation._fleet.world
-        self.reel.add(float(self._simulation.ticks[0]) * self._simulation.dt, world.poses[: world.count])
+        self.reel.add(float(self._simulation.ticks[0]) * self._simulation.dt, world.poses[: world.count].copy())
 
     def keep(self) -> None:
         """Take the step that was just made, if it is one to show."""

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import functools
 import types
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import ClassVar
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Aim, Draws, Drive, Sensor, State, View
+from amorsim.contracts import Aim, Draws, Drive, Sensor, SensorBinding, State, View
 from amorsim.kernels.sensing import readings
 
 __all__ = ["Compass"]
@@ -33,6 +34,10 @@ class Compass(Sensor):
     def size(self, drive: Drive) -> int:
         """One value."""
         return 1
+
+    def bind(self, at: SensorBinding) -> Callable[[], None]:
+        """Sense by a kernel."""
+        return functools.partial(readings.wrap_headings, at.pose, at.out)
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
         """Headings `(N, 1)` [rad] in [-pi, pi]."""

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 import types
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Aim, Draws, Drive, Sensor, State, View, parameter
+from amorsim.contracts import Aim, Draws, Drive, Sensor, SensorBinding, State, View, parameter
 from amorsim.core.parameters import ParameterError
 
 __all__ = ["Encoder"]
@@ -59,6 +59,16 @@ class Encoder(Sensor):
                 f"expected one number, or one for each of the drive's {len(joints)} joints ({names}), got {given[0]}",
             )
         return len(joints)
+
+    def bind(self, at: SensorBinding) -> Callable[[], None]:
+        """Count the joints of the engine's own array."""
+        counts: Any = self.counts_per_revolution
+
+        def sense() -> None:
+            np.divide(at.joints, _TURN, out=at.out)
+            np.multiply(at.out, counts, out=at.out)
+
+        return sense
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
         """Counts `(N, j)` since all joints stood at 0."""

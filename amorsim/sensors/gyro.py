@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import functools
 import types
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import ClassVar
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Aim, Draws, Drive, Sensor, State, View
+from amorsim.contracts import Aim, Draws, Drive, Sensor, SensorBinding, State, View
 
 __all__ = ["Gyro"]
 
@@ -31,6 +32,10 @@ class Gyro(Sensor):
     def size(self, drive: Drive) -> int:
         """One value."""
         return 1
+
+    def bind(self, at: SensorBinding) -> Callable[[], None]:
+        """Copy the rates of turn."""
+        return functools.partial(np.copyto, at.out, at.twist[:, 2:])
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
         """Rates of turn `(N, 1)` [rad/s]."""

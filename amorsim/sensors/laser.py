@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Aim, Draws, Drive, Sensor, State, View, parameter
+from amorsim.contracts import Aim, Draws, Drive, Sensor, SensorBinding, Side, State, View, parameter
 from amorsim.core.parameters import ParameterError
+from amorsim.core.workers import in_turn
 from amorsim.kernels.sensing import readings
 from amorsim.sensors.incidence import incidence
-from amorsim.sensors.side import Side
 from amorsim.sensors.sweep import poses_at
 
 __all__ = ["Laser"]
@@ -83,6 +83,17 @@ class Laser(Sensor):
     def bearings(self) -> Array:
         """Bearings of the beams [rad] from the mount's heading, `(1, beams)`; `(N, beams)` if rows differ."""
         return _bearings(self.beams, np.asarray(self.fov).tobytes())
+
+    def bind(self, at: SensorBinding) -> Callable[[], None]:
+        """Cast beams from the engine's own arrays, unless something bends them."""
+        if at.aim is not None:
+            return super().bind(at)
+        bearings, ranges = self.bearings(), np.empty((at.rows, self.beams))
+        range_max: Any = self.range_max
+        cast = at.view.bind_cast(at.pose, bearings, range_max, ranges, self.traversal)
+        blank = functools.partial(readings.blank_near, ranges, self.range_min, at.out)
+        at.sides["incidence"] = lambda: incidence(at.view, at.pose, bearings, ranges, range_max)
+        return in_turn([cast, blank])
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
         """Ranges `(N, beams)` [m], inf for no return, -inf for what is nearer than `range_min`.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
@@ -10,12 +11,13 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Aim, Draws, Drive, Emission, Mount, Sensor, State, View, parameter
+from amorsim.contracts import Aim, Draws, Drive, Emission, Mount, Sensor, SensorBinding, Side, State, View, parameter
 from amorsim.core.parameters import ParameterError
+from amorsim.core.workers import in_turn
+from amorsim.kernels.sensing import readings
 from amorsim.sensors.hearing import hear
 from amorsim.sensors.incidence import nearest_incidence
 from amorsim.sensors.response import ring_poses
-from amorsim.sensors.side import Side
 
 __all__ = ["Sonar"]
 
@@ -94,6 +96,20 @@ class Sonar(Sensor):
         if isinstance(elements, Mount):  # over rows: a table of arrays
             return np.asarray(elements.heading)
         return np.array([[element.heading for element in elements]])
+
+    def bind(self, at: SensorBinding) -> Callable[[], None]:
+        """Look into the cones from the engine's own arrays, unless something bends them or others are heard."""
+        if at.aim is not None or self.medium:
+            return super().bind(at)
+        ring: Any = self.elements
+        half_angle: Any = self.half_angle
+        range_max: Any = self.range_max
+        origins = np.empty((ring.x.size, 3))
+        place = functools.partial(readings.place_ring, at.pose, ring.x, ring.y, ring.heading, origins)
+        look = at.view.bind_cone(origins, half_angle, range_max, at.out, self.traversal)
+        ring_down = functools.partial(np.maximum, at.out, self.range_min, out=at.out)
+        at.sides["incidence"] = lambda: nearest_incidence(at.view, origins, half_angle, range_max)
+        return in_turn([place, look, ring_down])
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
         """Ranges `(N, k)` [m], inf for no return; for the chain also the nearest return's ``incidence`` [rad].

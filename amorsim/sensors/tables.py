@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.sensors.side import Side
+from amorsim.contracts.side import Side
 
 __all__ = ["table_of"]
 

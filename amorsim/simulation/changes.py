@@ -49,11 +49,11 @@ def move(fleet: Fleet, moves: Sequence[tuple[RobotHandle, tuple[float, ...]]], k
     for handle, pose in moves:
         group, row = handle._group, handle._row
         bodies = fleet.robot_bodies(group, row)
-        group.true_pose = _with_row(group.true_pose, row, poses[bodies[0]])
+        group.true_pose[row] = poses[bodies[0]]
         if group.parts is not None:
             group.parts.put(row, poses[bodies[1:]])
-        group.true_twist = _with_row(group.true_twist, row, 0.0)
-        group.joint_rates = _with_row(group.joint_rates, row, 0.0)
+        group.true_twist[row] = 0.0
+        group.joint_rates[row] = 0.0
         group.zones.put(row)
         fleet.place()
         fleet.part_from_all(int(bodies[0]))
@@ -148,9 +148,3 @@ def _log(fleet: Fleet, handle: RobotHandle, kind: str, path: str, value: Any) ->
             value=value,
         )
     )
-
-
-def _with_row(array: Array, row: int, value: Any) -> Array:
-    changed = array.copy()
-    changed[row] = value
-    return changed

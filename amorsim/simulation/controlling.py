@@ -2,19 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, NoReturn
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Beliefs, Clock, Context, Controller, Draws, Estimate, Measurement, RobotModel, State
+from amorsim.contracts import (
+    Beliefs,
+    Clock,
+    Context,
+    Controller,
+    ControllerBinding,
+    Draws,
+    Estimate,
+    Measurement,
+    RobotModel,
+    State,
+)
 from amorsim.core.rows import stack, take
 from amorsim.core.trouble import RAISED
+from amorsim.kernels.numbers import all_finite
 from amorsim.scenario.spec import Robot
 from amorsim.simulation.beliefs import BeliefsNow, beliefs_problem, chosen
 from amorsim.simulation.blame import Whose, is_finite
+from amorsim.simulation.row_clock import RowClock
 
 __all__ = ["Driver", "report_problem"]
 
@@ -81,63 +94,102 @@ class Driver:
         self.active = self.active.copy()
         self.active[row] = False
 
-    def command(
-        self, before: Array, robot: RobotModel, readings: Mapping[str, Measurement], estimate: Estimate, clock: Clock
-    ) -> Array:
-        """The command `(N, c)` of this step; `before`, the last one, if there is no controller and no hand.
+    def bind(
+        self,
+        robot: RobotModel,
+        live: Mapping[str, Measurement],
+        copies: Mapping[str, Measurement],
+        estimate: Estimate,
+        row_clock: RowClock,
+        out: Array,
+    ) -> Callable[[], None]:
+        """The function that writes the command of each step into `out` `(N, c)`.
+
+        Without a controller and without a hand, the command stays as it is. Robots whose controller has ended stand
+        still. `live` are the arrays of the current readings, `copies` the same in copies.
 
         Raises
         ------
         ComponentError
-            If the controller's command has another shape or is not finite; the message names controller and robot.
+            From the function, if the controller's command has another shape or is not finite; the message names
+            controller and robot.
         """
-        asked = robot, readings, estimate, clock
-        if np.count_nonzero(self.by_hand):
-            command = self.hand.copy()
-            rows = np.flatnonzero(~self.by_hand[:, 0])
-            if len(rows):
-                answer = 0.0 if self.controller is None else self._ask(self.controller, rows, *asked)
-                command[rows] = np.where(self.active[rows], answer, 0.0)
-            return command
         if self.controller is None:
-            return before
-        # A copy: the controller may reuse its array.
-        command = np.zeros(self.hand.shape)
-        np.copyto(command, self._ask(self.controller, None, *asked), where=self.active)
+
+            def by_hand() -> None:
+                self._drive_by_hand(None, out)
+
+            return by_hand
+        wanted = np.zeros(out.shape)
+        at = ControllerBinding(
+            robot=robot,
+            readings=live,
+            copied_readings=copies,
+            estimate=estimate,
+            tick=row_clock.tick,
+            time=row_clock.time,
+            dt=row_clock.dt,
+            state=self.state,
+            draws=self._draws,
+            out=wanted,
+            answer=lambda command: np.copyto(wanted, self._checked(command, len(wanted))),
+        )
+        ask, controller, numbers = self.controller.bind(at), self.controller, wanted.ravel()
+
+        def command() -> None:
+            if self._drive_by_hand(at, out):
+                return
+            ask()
+            if not all_finite(numbers):
+                raise self._whose.not_finite("controller", controller, ", ".join(self._channels), wanted)
+            out[:] = 0.0
+            np.copyto(out, wanted, where=self.active)
+
         return command
 
-    def _ask(
-        self,
-        controller: Controller,
-        which: Rows | None,
-        robot: RobotModel,
-        readings: Mapping[str, Measurement],
-        estimate: Estimate,
-        clock: Clock,
-    ) -> Array:
-        """The controller's command for the rows in `which`, or for all."""
-        asked = robot, readings, estimate, clock, self.state, self._draws
-        try:
-            command = controller.command(*asked) if which is None else _ask_some(controller, *asked, which)
-        except RAISED as error:
-            self._whose.blame("controller", controller, error)
-        expected = len(self.hand) if which is None else len(which), len(self._channels)
-        answer: Any = command  # the plugin may return anything
+    def _drive_by_hand(self, at: ControllerBinding | None, out: Array) -> bool:
+        """If some rows are driven from outside, write the command of all rows; returns whether there are any."""
+        if not np.count_nonzero(self.by_hand):
+            return False
+        out[:] = self.hand
+        rows = np.flatnonzero(~self.by_hand[:, 0])
+        if len(rows):
+            answer = 0.0 if at is None else self._ask(at, rows)
+            out[rows] = np.where(self.active[rows], answer, 0.0)
+        return True
+
+    def _ask(self, at: ControllerBinding, which: Rows) -> Array:
+        """The controller's command for the rows in `which`, by its simple form."""
+        estimate = Estimate(at.estimate.pose, at.estimate.covariance)
+        clock = Clock(at.tick, at.time, at.dt)
+        given = at.robot, at.copied_readings, estimate, clock, at.state, at.draws
+        assert self.controller is not None
+        command = self._checked(_ask_some(self.controller, *given, which), len(which))
+        if not is_finite(command):
+            whole = np.zeros(self.hand.shape)
+            whole[which] = command
+            raise self._whose.not_finite("controller", self.controller, ", ".join(self._channels), whole)
+        return command
+
+    def _checked(self, answer: Any, rows: int) -> Array:
+        """What the controller's `command` returned for a number of rows, as a command `(N, c)`."""
+        expected = rows, len(self._channels)
         if not isinstance(answer, np.ndarray) or answer.dtype.kind not in "biuf":
             found = f"{answer.dtype} array" if isinstance(answer, np.ndarray) else type(answer).__name__
             problem = f"expected a command of the shape {expected}, got a {found}"
-            raise self._whose.wrong("controller", controller, problem)
-        if command.shape == (expected[0], self._of_drive) != expected:
-            command = np.concatenate((command, np.zeros((expected[0], expected[1] - self._of_drive))), axis=1)
-        channels = ", ".join(self._channels)
-        if command.shape != expected:
-            problem = f"expected a command of the shape {expected} ({channels}), got {command.shape}"
-            raise self._whose.wrong("controller", controller, problem)
-        if not is_finite(command):
-            whole = np.zeros(self.hand.shape)
-            whole[slice(None) if which is None else which] = command
-            raise self._whose.not_finite("controller", controller, channels, whole)
+            raise self._whose.wrong("controller", self.controller, problem)
+        if answer.shape == (rows, self._of_drive) != expected:
+            answer = np.concatenate((answer, np.zeros((rows, expected[1] - self._of_drive))), axis=1)
+        if answer.shape != expected:
+            channels = ", ".join(self._channels)
+            problem = f"expected a command of the shape {expected} ({channels}), got {answer.shape}"
+            raise self._whose.wrong("controller", self.controller, problem)
+        command: Array = answer
         return command
+
+    def blame(self, error: BaseException) -> NoReturn:
+        """Raise the controller's exception as `Whose.blame` does."""
+        self._whose.blame("controller", self.controller, error)
 
     def reports(self) -> list[tuple[int, str, Any]]:
         """What the controller says happened in the last command: row, word and value, of the rows that it drives.
@@ -148,8 +200,7 @@ class Driver:
             If the controller raises, or returns no reports.
         """
         controller = self.controller
-        if controller is None or type(controller).reports is Controller.reports:
-            return []
+        assert controller is not None
         try:
             found = list(controller.reports(self.state))
         except RAISED as error:
@@ -158,6 +209,11 @@ class Driver:
             if problem := report_problem(report, len(self.active)):
                 raise self._whose.wrong("controller", controller, problem)
         return [report for report in found if self.active[report[0], 0] and not self.by_hand[report[0], 0]]
+
+    @property
+    def can_report(self) -> bool:
+        """Whether the controller may have something to report."""
+        return self.controller is not None and type(self.controller).reports is not Controller.reports
 
     @property
     def believes(self) -> bool:
@@ -233,9 +289,7 @@ def _ask_some(
         draws.take(rows),
     )
     for name, array in part.items():
-        whole = state[name].copy()
-        whole[rows] = array
-        state[name] = whole
+        state[name][rows] = array
     return command
 
 

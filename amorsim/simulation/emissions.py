@@ -21,9 +21,8 @@ def collect(groups: list[Group], world: World) -> None:
             medium = unit.sensor.medium
             if not medium:
                 continue
-            group.view.use(unit.mount, name)
             try:
-                emitted = unit.sensor.emit(group.view, unit.state)
+                emitted = unit.sensor.emit(unit.look(), unit.state)
                 if emitted is None:
                     raise group.whose.wrong(
                         f"sensor {name!r}",
@@ -37,7 +36,7 @@ def collect(groups: list[Group], world: World) -> None:
             if problem := emission_problem(said_here, group.rows):
                 raise group.whose.wrong(f"sensor {name!r}", unit.sensor, problem)
             poses, half_angle, fired, time = said_here
-            due, _ = unit.due(group.row_clock)
+            due, _ = unit.due()
             fired = fired & due
             replicas, each = len(world.first) - 1, poses.shape[1]
             body = np.repeat(group.bodies[:, None], each, axis=1)

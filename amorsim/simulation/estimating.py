@@ -3,17 +3,28 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import Any, NoReturn
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Beliefs, Context, Draws, Estimate, Estimator, Measurement, RobotModel, State
+from amorsim.contracts import (
+    Beliefs,
+    Context,
+    Draws,
+    Estimate,
+    Estimator,
+    EstimatorBinding,
+    Measurement,
+    RobotModel,
+    State,
+)
 from amorsim.core.errors import ComponentError
 from amorsim.core.rows import stack
 from amorsim.core.trouble import RAISED, in_words
+from amorsim.kernels.numbers import all_finite
 from amorsim.scenario.spec import Robot
 from amorsim.simulation.beliefs import Believer, beliefs_problem, chosen
 from amorsim.simulation.blame import Whose, array_problem, is_finite
@@ -23,6 +34,7 @@ from amorsim.simulation.row_clock import RowClock
 __all__ = ["Estimators"]
 
 Array = npt.NDArray[np.float64]
+Blame = Callable[[BaseException], NoReturn]
 
 
 class Estimators:
@@ -45,6 +57,7 @@ class Estimators:
         self._believers: list[str] = []
         self._rows = 0
         self._updates = 0
+        self._poses, self._covariances = np.zeros((1, 0, 3)), np.zeros((1, 0, 3, 3))  # of all estimates
         self.states: dict[str, State] = {}
         self.estimates: dict[str, Estimate] = {}
 
@@ -83,34 +96,86 @@ class Estimators:
                 self.states[name] = dict(estimator.start(own))
             except RAISED as error:
                 self._whose.blame_start(f"estimator {name!r}", estimator, error)
-        start = context.pose
-        self.estimates = {name: Estimate(start, np.zeros((len(start), 3, 3))) for name in self._estimators or ("none",)}
+        start, known = context.pose, np.zeros((context.rows, 3, 3))
+        self.estimates = {name: Estimate(start, known) for name in self._estimators or ("none",)}
+        self._lay_out()
 
-    def update(self, robot: RobotModel, readings: Mapping[str, Measurement], command: Array, elapsed: Array) -> None:
-        """Update every estimator with the readings, after the estimators that feed it.
+    def _lay_out(self) -> None:
+        """Put all estimates one after another into arrays of their own, so that one call checks them."""
+        self._poses = np.stack([estimate.pose for estimate in self.estimates.values()])
+        self._covariances = np.stack([estimate.covariance for estimate in self.estimates.values()])
+        self.estimates = {
+            name: Estimate(pose, covariance)
+            for name, pose, covariance in zip(self.estimates, self._poses, self._covariances, strict=True)
+        }
 
-        Raises
-        ------
-        ComponentError
-            If an estimator raises, or returns no `Estimate`, or a pose or covariance that is not finite.
+    def bind(
+        self,
+        robot: RobotModel,
+        live: Mapping[str, Measurement],
+        copies: Mapping[str, Measurement],
+        command: Array,
+        row_clock: RowClock,
+    ) -> list[tuple[str, Callable[[], None], Blame]]:
+        """The functions that update the estimators, each after those that feed it: name, function, and who is to blame.
+
+        Parameters
+        ----------
+        live, copies
+            The arrays of the current readings, and the same in copies, each made when it is looked up.
+        command
+            The array of the command.
         """
+        self._lay_out()
+        found: list[tuple[str, Callable[[], None], Blame]] = []
         for name, fed_by in self._fed_by.items():
-            estimator, given = self._estimators[name], readings
-            if fed_by:
-                now = self._row_clock
-                given = {**readings, **estimate_readings(fed_by, self.estimates, now.tick, now.always)}
-            try:
-                estimate = estimator.update(robot, given, command.copy(), elapsed, self.states[name], self._draws[name])
-            except RAISED as error:
-                self._whose.blame(f"estimator {name!r}", estimator, error)
-            if problem := _problem(estimate, robot.rows):
-                raise self._whose.wrong(f"estimator {name!r}", estimator, problem)
-            if not is_finite(estimate.pose):
-                raise self._whose.not_finite(f"estimator {name!r}", estimator, "the estimated pose", estimate.pose)
-            if not is_finite(estimate.covariance):
-                raise self._whose.not_finite(f"estimator {name!r}", estimator, "the covariance", estimate.covariance)
-            self.estimates[name] = estimate
+            estimator, out = self._estimators[name], self.estimates[name]
+            at = EstimatorBinding(
+                robot=robot,
+                readings=live,
+                copied_readings=functools.partial(self._given, fed_by, copies) if fed_by else lambda: copies,
+                command=command,
+                elapsed=lambda: row_clock.elapsed,
+                state=self.states[name],
+                draws=self._draws[name],
+                out=out,
+                answer=functools.partial(self._take, name, robot.rows),
+            )
+            blame = functools.partial(self._whose.blame, f"estimator {name!r}", estimator)
+            found.append((name, estimator.bind(at), blame))
+        return found
+
+    def _given(self, fed_by: Sequence[str], copies: Mapping[str, Measurement]) -> dict[str, Measurement]:
+        """The readings, and the estimates that feed an estimator."""
+        now = self._row_clock
+        return {**copies, **estimate_readings(fed_by, self.estimates, now.tick, now.always)}
+
+    def _take(self, name: str, rows: int, estimate: Any) -> None:
+        """Take what an estimator's `update` returned."""
+        if problem := _problem(estimate, rows):
+            raise self._whose.wrong(f"estimator {name!r}", self._estimators[name], problem)
+        self.estimates[name].pose[:], self.estimates[name].covariance[:] = estimate
+
+    def conclude(self) -> None:
+        """Raise a `ComponentError` if an estimate of this step is not finite."""
         self._updates += 1
+        if all_finite(self._poses.ravel()) and all_finite(self._covariances.ravel()):
+            return
+        for name in self._fed_by:
+            estimator, estimate = self._estimators[name], self.estimates[name]
+            for what, array in (("the estimated pose", estimate.pose), ("the covariance", estimate.covariance)):
+                if not is_finite(array):
+                    raise self._whose.not_finite(f"estimator {name!r}", estimator, what, array)
+
+    @property
+    def names(self) -> list[str]:
+        """The names of the estimators."""
+        return list(self._estimators)
+
+    @property
+    def can_fail(self) -> bool:
+        """Whether one of them may say that it failed."""
+        return any(type(estimator).failed is not Estimator.failed for estimator in self._estimators.values())
 
     def failures(self) -> Iterator[tuple[str, int, bool]]:
         """What failed in the last update: the estimator's name, the row, and whether that ends its controller."""

@@ -24,6 +24,8 @@ from amorsim.simulation.feeding import FeedingError, feeding_order
 from amorsim.simulation.first_beliefs import BELIEF, first_beliefs
 from amorsim.simulation.handle import finite_numbers
 from amorsim.simulation.row_clock import RowClock
+from amorsim.simulation.schedule import Call, walk
+from amorsim.simulation.sensing.copies import Copies
 from amorsim.simulation.sensing.noise_chain import Streams
 from amorsim.worlds.drawn import map_of
 
@@ -114,10 +116,17 @@ class EstimatorRunner:
         self._estimators.start(
             Context(rows=1, dt=self._dt, robot=self._model, pose=pose, names=[robot.name], covariance=covariance)
         )
+        self._held = {sensor: _no_reading(size) for sensor, size in self._sizes.items()}
+        self._command = np.zeros((1, len(self._model.channels)))
+        self._calls: list[Call] = []
         self._first: float | None = None  # [s], the time of the first update
         self._tick = -1
         self._time = 0.0  # [s] since the first
         self._taken: dict[str, tuple[Array, int, float]] = {}  # by sensor: values, and when they were measured
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but the calls, which a copy prepares anew."""
+        return {**vars(self), "_calls": []}
 
     def update(
         self,
@@ -152,10 +161,17 @@ class EstimatorRunner:
         for sensor, values in arrived.items():
             age = ages.get(sensor, 0.0)
             self._taken[sensor] = values, max(self._tick - round(age / self._dt), 0), self._time - age
-        held = {sensor: self._reading(sensor, sensor in readings) for sensor in self._sizes}
-        self._estimators.update(self._model, held, wanted, np.array([[elapsed]]))
+        for sensor in self._sizes:
+            self._hold(sensor, sensor in readings)
+        self._command[:], self._clock.elapsed = wanted, np.array([[elapsed]])
+        if not self._calls:
+            given = self._held, Copies(self._held), self._command, self._clock
+            bound = self._estimators.bind(self._model, *given)
+            self._calls = [Call("estimate", one, update, blame) for one, update, blame in bound]
+        walk(self._calls)
+        self._estimators.conclude()
         pose, covariance = self._estimators.estimates[self._name]
-        return Estimate(pose[0], covariance[0])
+        return Estimate(pose[0].copy(), covariance[0].copy())
 
     @property
     def beliefs(self) -> Beliefs:
@@ -225,15 +241,20 @@ class EstimatorRunner:
             raise AmorsimError(f"{self._who}: expected {count} numbers as {what}, got {given.size}")
         return np.array(given, dtype=np.float64).reshape(1, count)
 
-    def _reading(self, sensor: str, is_new: bool) -> Measurement:
-        """A sensor's last reading, as the robot holds it."""
-        if sensor not in self._taken:
-            values, stamp, age = np.full((1, self._sizes[sensor]), np.nan), -1, 0.0
-        else:
+    def _hold(self, sensor: str, is_new: bool) -> None:
+        """Write a sensor's last reading, as the robot holds it."""
+        held = self._held[sensor]
+        held.fresh[:] = is_new
+        if sensor in self._taken:
             values, stamp, taken = self._taken[sensor]
             whole = (self._tick - stamp) * self._dt
             age = whole if abs(whole - (self._time - taken)) < _GRID * self._dt else self._time - taken
-        return Measurement(values, np.array([[stamp]]), np.array([[age]]), np.array([[is_new]]))
+            held.measured[:], held.stamp[:], held.age[:] = values, stamp, age
+
+
+def _no_reading(size: int) -> Measurement:
+    """The reading of a robot's sensor before the first arrives."""
+    return Measurement(np.full((1, size), np.nan), np.full((1, 1), -1), np.zeros((1, 1)), np.zeros((1, 1), dtype=bool))
 
 
 def _with_feeders(name: str, estimators: Mapping[str, Estimator], robot: Robot) -> dict[str, Estimator]:

@@ -79,5 +79,5 @@ def estimate_readings(
     for name in names:
         pose, covariance = estimates[name]
         measured = np.concatenate((pose, covariance.reshape(-1, 9)), axis=1)
-        found[ESTIMATES + name] = Measurement(measured, tick, np.zeros(tick.shape), fresh)
+        found[ESTIMATES + name] = Measurement(measured, tick.copy(), np.zeros(tick.shape), fresh.copy())
     return found

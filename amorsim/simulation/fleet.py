@@ -22,6 +22,7 @@ from amorsim.simulation.first_beliefs import BELIEF
 from amorsim.simulation.group import Group
 from amorsim.simulation.obstacles import ObstacleGroup
 from amorsim.simulation.placing import with_start
+from amorsim.simulation.schedule import Call
 from amorsim.simulation.starting import bodies_of, starts_in, world_of
 from amorsim.simulation.world.terrain import Terrains
 from amorsim.simulation.zones import zone_streams
@@ -103,12 +104,17 @@ class Fleet:
         moved = [group for group in self.obstacles if group.motion is not None]
         self.movement = Movement(self.world, [*self.groups, *self.parts, *moved])
         self.has_emitters = any(unit.sensor.medium for group in self.groups for unit in group.sensors.values())
+        self.calls: Sequence[Call] = ()  # of a step; see `amorsim.simulation.phases.calls_of`
         self.touching: frozenset[tuple[int, int]] = frozenset()
         self.contacts: frozenset[tuple[int, int]] = frozenset()
         self.ticks: Ints = np.zeros(len(replicas), dtype=np.int64)
         self.episodes: Ints = np.zeros(len(replicas), dtype=np.int64)
         self.place()
         self._check_starts()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but the calls, which a copy prepares anew."""
+        return {**vars(self), "calls": ()}
 
     def _rows(self, members: Sequence[tuple[int, Any]], offset: int = 0) -> tuple[list[Any], Ints, Ints]:
         """The specification of each row, its body in the world, and its replica's number."""
@@ -134,14 +140,14 @@ class Fleet:
 
     def place(self) -> None:
         """Copy the groups' poses to the bodies of the world."""
-        poses, twists = self.world.poses.copy(), self.world.twists.copy()
+        poses, twists = self.world.poses.copy(), self.world.twists
         for group in self.everything:
             poses[group.bodies] = group.true_pose
             twists[group.bodies] = group.true_twist
         for part in self.parts:
             poses[part.bodies] = part.poses
             twists[part.bodies] = part.twists
-        self.world.poses, self.world.twists = poses, twists
+        self.world.poses = poses
 
     def _check_starts(self) -> None:
         world = self.world

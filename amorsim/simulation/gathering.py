@@ -19,7 +19,7 @@ __all__ = ["digest_of", "gathered", "touching_robots"]
 def gathered(fleet: Fleet, of: Callable[[Group], npt.NDArray[Any]]) -> npt.NDArray[Any]:
     """An array of all groups' rows, read-only, as one `(N, ...)`."""
     if len(fleet.groups) == 1:
-        whole = of(fleet.groups[0]).view()
+        whole = of(fleet.groups[0]).copy()
     else:
         parts = np.concatenate([of(group) for group in fleet.groups])
         bodies = np.concatenate([group.bodies for group in fleet.groups])

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, NoReturn
 
 import attrs
 import numpy as np
@@ -13,6 +14,7 @@ from amorsim.contracts import (
     Beliefs,
     Context,
     Drive,
+    DriveBinding,
     Estimate,
     Frame,
     Measurement,
@@ -20,7 +22,6 @@ from amorsim.contracts import (
 )
 from amorsim.core.poses import compose, exponential, logarithm
 from amorsim.core.rows import stack, take
-from amorsim.core.trouble import RAISED
 from amorsim.kernels.collision.paths import ARC, OTHER
 from amorsim.kernels.kinematics.poses import mean_twists
 from amorsim.kernels.text import digest
@@ -35,9 +36,11 @@ from amorsim.simulation.drive_check import check_drive
 from amorsim.simulation.estimating import Estimators
 from amorsim.simulation.first_beliefs import BELIEF, first_beliefs
 from amorsim.simulation.row_clock import RowClock
+from amorsim.simulation.schedule import Call
+from amorsim.simulation.sensing.copies import Copies
+from amorsim.simulation.sensing.device import Device, place_mounts
 from amorsim.simulation.sensing.noise_chain import Chain, Streams
-from amorsim.simulation.sensing.sensor_suite import SensorSuite
-from amorsim.simulation.sensing.sensor_unit import SensorUnit
+from amorsim.simulation.sensing.plain_noise import PlainNoise
 from amorsim.simulation.truth import true_robots
 from amorsim.simulation.world.sensor_view import GroupView
 from amorsim.simulation.world.world import World
@@ -55,7 +58,7 @@ Arrays = dict[str, npt.NDArray[Any]]
 class Group:
     """Robots as rows: their specifications, the components stacked from them, and all that changes.
 
-    Arrays of poses, joints, commands, readings and estimates are replaced in a step, never changed in place.
+    Arrays of poses, joints, commands, readings and estimates keep their place: a step writes into them.
     """
 
     def __init__(
@@ -76,8 +79,18 @@ class Group:
         self.seed = seed
         self.row_clock = RowClock(replica, dt)
         self.whose = Whose("robot", self.names, self.row_clock)
-        self.view = GroupView(world, bodies, dt)
         self.world = world
+        self.is_bound = False  # whether `calls` are those for the present parameters and states
+        joints = len(robots[0].drive.joints)
+        self.true_pose, self.true_twist = np.zeros((self.rows, 3)), np.zeros((self.rows, 3))
+        self.joints, self.joints_before = np.zeros((self.rows, joints)), np.zeros((self.rows, joints))
+        self.joint_rates = np.zeros((self.rows, joints))
+        self._moved_joints = np.zeros((2, self.rows, joints))  # positions and rates after the step
+        self._after = self._moved_joints[0]
+        self._ground_after = self._after  # the joints that match the wheels' travel over the ground
+        self._drive_command = np.zeros((self.rows, len(robots[0].drive.channels)))
+        self._slide: Array | None = None  # of the step, if the ground of any row makes one
+        self.fingerprint = np.zeros((self.rows, 2), dtype=np.uint64)
         first = robots[0]
         self.ends_on_collision = first.on_collision == "end"
         self.streams = Streams(seed, self.names, self.row_clock.counter, world.workers)
@@ -86,10 +99,12 @@ class Group:
         self.ground = Chain(first.ground, self.streams, self.whose, "ground")
         self.zones = Zones(zones, self.rows, self.streams, self.whose)
         self.sensors = {
-            name: SensorUnit(name, unit, reading_size(first, name), self.streams, self.whose)
+            name: Device(
+                *(name, unit, reading_size(first, name), self.streams),
+                *(self.whose, self.row_clock, GroupView(world, bodies, dt)),
+            )
             for name, unit in first.sensors.items()
         }
-        self.readings: Mapping[str, Measurement] = _Readings(self.sensors)
         self.estimators = Estimators(
             {name: self.streams.draws("estimator", name) for name in first.estimators}, self.whose, self.row_clock
         )
@@ -103,6 +118,7 @@ class Group:
                 self.devices[name] = slice(count, count + len(unit.sensor.channels))
                 count += len(unit.sensor.channels)
         self.channels = channels_of(first)
+        self.command = np.zeros((self.rows, len(self.channels)))
         draws = self.streams.draws("controller")
         self.driver = Driver(self.channels, len(first.drive.channels), draws, self.whose)
         self.rolling = np.flatnonzero([joint.rolls for joint in first.drive.joints])
@@ -122,7 +138,6 @@ class Group:
         self.ground.set_parameters([robot.ground for robot in true])
         for name, unit in self.sensors.items():
             unit.set_parameters([robot.sensors[name] for robot in true], self.dt)
-        self._sensing = SensorSuite(list(self.sensors.values()), self.rows)
         nominal = self.specified
         sizes = {name: unit.size for name, unit in self.sensors.items()}
         self.robot = robot_model(nominal, sizes, self.channels, self.dt)
@@ -133,6 +148,7 @@ class Group:
         self._asked = self.robot  # the robot as its controller knows it: with what its estimators believe
         if believers := self.estimators.believers():
             self._asked = attrs.evolve(self.robot, beliefs=BeliefsNow(believers))
+        self.is_bound = False
 
     @of_drive
     def _rolling_radius(self) -> Array:
@@ -149,12 +165,9 @@ class Group:
         rows = self.rows
         pose, covariance = first_beliefs(self.specified, self._belief_draws)
         context = Context(rows=rows, dt=self.dt, robot=self.robot, pose=pose, names=self.names, covariance=covariance)
-        joints = len(self.drive.joints)
-        self.true_pose = poses_of(self.true)
-        self.true_twist = np.zeros((rows, 3))
-        self.joints = np.zeros((rows, joints))
-        self.joint_rates = np.zeros((rows, joints))
-        self.command = np.zeros((rows, len(self.channels)))
+        self.true_pose[:] = poses_of(self.true)
+        for array in (self.true_twist, self.joints, self.joints_before, self.joint_rates, self.command):
+            array[:] = 0.0
         self.drive_state: State = self._start_drive(context)
         self.ground.states = self.ground.start(attrs.evolve(context, size=len(self.rolling)))
         self.zones.start(attrs.evolve(context, size=len(self.rolling)))
@@ -162,53 +175,136 @@ class Group:
             unit.start(attrs.evolve(context, size=unit.size))
         self.estimators.start(context)
         self.driver.start(attrs.evolve(context, robot=self._asked))
-        self.joints_before = self._after = self._ground_after = self.joints
-        self._slide: Array | None = None  # of the step, if the ground of any row makes one
-        self.fingerprint = np.zeros((rows, 2), dtype=np.uint64)
+        self._moved_joints[:] = 0.0
+        self._ground_after = self._after
+        self._slide = None
+        self.fingerprint[:] = 0
         if self.parts is not None:
             self.parts.start()
+        self.is_bound = False
+
+    # ------------------------------------------------------------------------------------------------ the schedule
+
+    @property
+    def label(self) -> str:
+        """The robots, as the schedule names them."""
+        robots = sorted(set(self.names))
+        others = f" and {len(robots) - 1} more" if len(robots) > 1 else ""
+        return f"{robots[0]}{others}" + (f" x {self.rows}" if self.rows > 1 else "")
+
+    def bind(self) -> None:
+        """Prepare what each step calls, for the present parameters and states."""
+        devices = list(self.sensors.values())
+        self._noise = PlainNoise(devices, self.rows)
+        self._after = self._ground_after = self._moved_joints[0]
+        self._place_mounts = place_mounts(devices, self.true_pose) if devices else None
+        self._senses = [(device, device.bind(self)) for device in devices]
+        live = {name: device.live for name, device in self.sensors.items()}
+        given = live, Copies(live)
+        clock = self.row_clock
+        self._estimates = self.estimators.bind(self.robot, *given, self.command, clock)
+        self._control = self.driver.bind(self._asked, *given, self.estimators.first, clock, self.command)
+        self._advance = self.drive.bind(
+            DriveBinding(
+                rows=self.rows,
+                dt=self.dt,
+                joints=self.joints_before,
+                joint_rates=self.joint_rates,
+                command=self.command[:, : len(self.drive.channels)] if not self.devices else self._drive_command,
+                state=self.drive_state,
+                draws=self.drive_draws,
+                out=self._moved_joints,
+                answer=self._take_joints,
+            )
+        )
+        self._results = [self.true_pose, self.joints, self.command]
+        for estimate in self.estimates.values():
+            self._results += [estimate.pose, estimate.covariance.reshape(self.rows, 9)]
+        for unit in devices:
+            self._results += [unit.true, unit.measured]
+        self.is_bound = True
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but what is bound, which a copy prepares anew."""
+        bound = ("_noise", "_place_mounts", "_senses", "_control", "_estimates", "_advance", "_results")
+        return {name: value for name, value in vars(self).items() if name not in bound} | {"is_bound": False}
+
+    def _take_joints(self, joints: Array, rates: Array) -> None:
+        """Take what the drive's `advance` returned."""
+        self._moved_joints[0], self._moved_joints[1] = joints, rates
+
+    def control_calls(self) -> Iterator[Call]:
+        """The call for the commands of all robots."""
+        controller = self.driver.controller
+        what = "no controller" if controller is None else f"controller: {type(controller).__name__}"
+        yield Call("control", f"{self.label} / {what}", self._control, self.driver.blame)
+
+    def actuate_calls(self) -> Iterator[Call]:
+        """The calls that move joints: those of devices that take commands, the drive's, and what the ground does."""
+        for name, columns in self.devices.items():
+            device = self.sensors[name]
+            act = functools.partial(self._actuate_device, device, columns)
+            yield Call("actuate", f"{self.label} / {name}: {type(device.sensor).__name__}", act, device.blame)
+        yield Call("actuate", f"{self.label} / drive: {type(self.drive).__name__}", self._move_joints, self.blame_drive)
+        if self.ground.elements or self.zones:
+            yield Call("actuate", f"{self.label} / ground", self._move_over_ground, self.blame_drive)
+
+    def blame_drive(self, error: BaseException) -> NoReturn:
+        """Raise the drive's exception as `Whose.blame` does."""
+        self.whose.blame("drive", self.drive, error)
+
+    def estimate_calls(self) -> Iterator[Call]:
+        """The calls that update the estimators."""
+        for name, update, blame in self._estimates:
+            yield Call("estimate", f"{self.label} / {name}", update, blame)
+        if self._estimates:
+            yield Call("estimate", f"{self.label} / check of numbers", self.estimators.conclude)
+
+    def sense_calls(self) -> Iterator[Call]:
+        """The calls that read all sensors, one after another, and the noise of those that are plain."""
+        label = self.label
+        for device, sense in self._senses:
+            yield Call("sense", f"{label} / {device.name}: {type(device.sensor).__name__}", sense, device.blame)
+        if self._noise.devices:
+            yield Call("sense", f"{label} / noise of {self._noise.names}", self._noise.apply)
+
+    def place_calls(self) -> Iterator[Call]:
+        """The call that puts the mounts of all sensors to where the robots are."""
+        if self._place_mounts is not None:
+            yield Call("sense", f"{self.label} / mounts", self._place_mounts)
 
     # ------------------------------------------------------------------------------------------------------- phases
 
-    def control(self) -> None:
-        """Get the controller's command; robots whose controller has ended stand still."""
-        clock = self.row_clock.clock
-        first = self.estimators.first
-        # Copies, here and below: what is given may be written into, and these are in use.
-        estimate = Estimate(first.pose.copy(), first.covariance.copy())
-        self.command = self.driver.command(self.command, self._asked, self.readings, estimate, clock)
+    def _actuate_device(self, device: Device, columns: slice) -> None:
+        device.sensor.actuate(self.command[:, columns].copy(), self.dt, device.state, device.draws)
 
-    @of_drive
-    def actuate(self) -> None:
-        """Move the joints by the command; ground effects act on the rolling joints."""
-        self.joints_before = self.joints
-        command = self.command[:, : len(self.drive.channels)].copy()
+    def _move_joints(self) -> None:
+        """Move the joints by the command."""
+        np.copyto(self.joints_before, self.joints)
         if self.devices:
-            for name, columns in self.devices.items():
-                unit = self.sensors[name]
-                try:
-                    unit.sensor.actuate(self.command[:, columns].copy(), self.dt, unit.state, unit.draws)
-                except RAISED as error:
-                    unit.blame(error)
-        self._after, self.joint_rates = self.drive.advance(
-            self.joints.copy(), self.joint_rates.copy(), command, self.dt, self.drive_state, self.drive_draws
-        )
-        self._ground_after, self._slide = self._after, None
+            np.copyto(self._drive_command, self.command[:, : len(self.drive.channels)])
+        self._advance()
+        np.copyto(self.joint_rates, self._moved_joints[1])
+
+    def _move_over_ground(self) -> None:
+        """Let ground effects act on the rolling joints."""
         elapsed = self.row_clock.step
+        ground, self._slide = self._after, None
         if self.ground.elements:
             before = self.joints_before[:, self.rolling]
             travel = (self._after[:, self.rolling] - before) * self._radius
-            self._ground_after = self._after.copy()
+            ground = self._after.copy()
             slipped = self.ground.corrupt(travel, {}, elapsed)
-            self._ground_after[:, self.rolling] = before + slipped / self._radius
+            ground[:, self.rolling] = before + slipped / self._radius
             if self.ground.slides:
-                self._slide = self.ground.slide(self.drive.twist(self.joints_before, self._ground_after), elapsed)
+                self._slide = self.ground.slide(self.drive.twist(self.joints_before, ground), elapsed)
         if self.zones:
-            self._ground_after, slide = self.zones.passed(
-                self.drive, self.joints_before, self._ground_after, self.rolling, self._radius, self.true_pose, elapsed
+            ground, slide = self.zones.passed(
+                self.drive, self.joints_before, ground, self.rolling, self._radius, self.true_pose, elapsed
             )
             if slide is not None:
                 self._slide = slide if self._slide is None else self._slide + slide
+        self._ground_after = ground
 
     # The group as a mover (`amorsim.simulation.contact.resolve.Mover`): its bodies go where their wheels roll them.
 
@@ -264,11 +360,10 @@ class Group:
     def _take(self, poses: Array, stop: Array) -> None:
         form, motion = self._motion
         if form == ARC and type(self.drive).follow is Drive.follow:
-            self.true_twist = np.empty((self.rows, 3))
             if mean_twists(np.ascontiguousarray(motion), stop, self.dt, self.true_twist):
                 self._halt(stop)
-            self.true_pose = poses
-            self.joints = self._after
+            self.true_pose[:] = poses
+            self.joints[:] = self._after
             return
         fraction = stop[:, None]
         displacement = exponential(motion, fraction) if form == ARC else motion
@@ -277,48 +372,30 @@ class Group:
             if form != ARC:
                 displacement = np.where(stopped[:, None], self._moved(fraction), displacement)
             self._halt(stop)
-        self.true_pose = poses
-        self.joints = self._after
+        self.true_pose[:] = poses
+        self.joints[:] = self._after
         if type(self.drive).follow is not Drive.follow:
-            self.joints = self.drive.follow(self._after, displacement)
-            self.joint_rates = self.joint_rates + (self.joints - self._after) / self.dt
-        self.true_twist = logarithm(displacement) / self.dt
+            self.joints[:] = self.drive.follow(self._after, displacement)
+            self.joint_rates += (self.joints - self._after) / self.dt
+        np.divide(logarithm(displacement), self.dt, out=self.true_twist)
 
     def _halt(self, stop: Array) -> None:
         """Stop the wheels of robots in contact at the fraction `(N,)` of the step at which they touched."""
         stopped = (stop < 1.0)[:, None]
         between = self.drive.between(self.joints_before, self._after, stop[:, None])
-        self._after = np.where(stopped, between, self._after)
-        self.joint_rates = np.where(stopped, 0.0, self.joint_rates)
-
-    def look(self) -> None:
-        """Update the sensors' view with the robots' present state."""
-        view = self.view
-        view.tick = self.row_clock.tick
-        view.body_pose = self.true_pose.copy()
-        view.twist = self.true_twist.copy()
-        view.joints = self.joints.copy()
-        view.joint_rates = self.joint_rates.copy()
-
-    def sense(self) -> None:
-        """Read all sensors."""
-        self._sensing.read(self.view, self.row_clock)
-
-    def estimate_pose(self) -> None:
-        """Update every estimator with the readings."""
-        self.estimators.update(self.robot, self.readings, self.command, self.row_clock.elapsed)
+        np.copyto(self._after, between, where=stopped)
+        np.copyto(self.joint_rates, 0.0, where=stopped)
 
     def record(self) -> None:
         """Mix the step's exact results into the fingerprint of each row."""
-        results = [self.true_pose, self.joints, np.ascontiguousarray(self.command)]
-        for estimate in self.estimates.values():
-            covariance = np.ascontiguousarray(estimate.covariance).reshape(self.rows, 9)
-            results += [np.ascontiguousarray(estimate.pose), covariance]
-        for unit in self.sensors.values():
-            results += [np.ascontiguousarray(unit.true), np.ascontiguousarray(unit.measured)]
-        digest.absorb(results, self.fingerprint)
+        digest.absorb(self._results, self.fingerprint)
 
     # ---------------------------------------------------------------------------------------------------- for others
+
+    @property
+    def readings(self) -> Mapping[str, Measurement]:
+        """The current readings, as the robots receive them, in copies."""
+        return Copies({name: device.live for name, device in self.sensors.items()})
 
     @property
     def estimates(self) -> dict[str, Estimate]:
@@ -400,28 +477,13 @@ class Group:
     def set_arrays(self, arrays: Mapping[str, Arrays]) -> None:
         """Restore what `arrays` returned."""
         for name in self._ARRAYS:
-            setattr(self, name, arrays["body"][name])
+            getattr(self, name)[...] = arrays["body"][name]
         self.driver.set_arrays(arrays["driver"])
         for name in self.estimates:
             held = arrays[f"estimate {name}"]
-            self.estimates[name] = Estimate(held["pose"], held["covariance"])
+            self.estimates[name].pose[...], self.estimates[name].covariance[...] = held["pose"], held["covariance"]
         for name, unit in self.sensors.items():
             unit.set_arrays(arrays[f"sensor {name}"])
         if self.parts is not None:
             self.parts.set_arrays(arrays["parts"])
-
-
-class _Readings(Mapping[str, Measurement]):
-    """The readings that the units hold, by name; each is made on access."""
-
-    def __init__(self, units: Mapping[str, SensorUnit]) -> None:
-        self._units = units
-
-    def __getitem__(self, name: str) -> Measurement:
-        return self._units[name].reading
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._units)
-
-    def __len__(self) -> int:
-        return len(self._units)
+        self.is_bound = False

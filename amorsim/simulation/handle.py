@@ -275,6 +275,6 @@ def finite_numbers(values: Any) -> list[float] | None:
 
 
 def _read_only(array: npt.NDArray[np.generic]) -> npt.NDArray:  # type: ignore[type-arg]
-    view = array.view()
-    view.flags.writeable = False
-    return view
+    copy = array.copy()  # the engine writes into its own in the next step
+    copy.flags.writeable = False
+    return copy

@@ -47,6 +47,13 @@ class ObstacleGroup:
         self.motion: Motion | None = stack(motions) if motions else None
         self.start()
 
+    @property
+    def label(self) -> str:
+        """The obstacles, as the schedule names them."""
+        names = sorted(set(self.names))
+        others = f" and {len(names) - 1} more" if len(names) > 1 else ""
+        return f"{names[0]}{others}" + (f" x {len(self.names)}" if len(self.names) > 1 else "")
+
     def start(self) -> None:
         """Put every obstacle at its start."""
         rows = len(self.obstacles)
@@ -68,7 +75,7 @@ class ObstacleGroup:
         """Get the displacements that the motions propose."""
         if self.motion is None:
             return
-        self.view.tick = self.row_clock.tick
+        self.view.tick = self.row_clock.tick.copy()
         self.view.body_pose = self.true_pose.copy()  # a motion may write into what it gets
         self.view.use(np.zeros_like(self.true_pose))
         self.view.twist = self.true_twist.copy()

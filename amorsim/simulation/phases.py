@@ -1,8 +1,9 @@
-"""The phases of a step: what happens to all rows, one phase after another."""
+"""What happens to all rows in each phase of a step, and the schedule of the calls that do it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import functools
+from collections.abc import Iterator, Sequence
 
 import attrs
 import numpy as np
@@ -17,21 +18,55 @@ from amorsim.simulation.events import Event
 from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.group import Group
 from amorsim.simulation.obstacles import ObstacleGroup
+from amorsim.simulation.schedule import Call, walk
 
 Array = npt.NDArray[np.float64]
 
 NO_PAIRS: frozenset[tuple[int, int]] = frozenset()
 
-__all__ = ["PHASES", "first_look", "step"]
-
-PHASES = ("control", "actuate", "move", "sense", "estimate", "record")
-"""The phases of a step, in order. All rows finish one before the next begins."""
+__all__ = ["calls_of", "first_look", "step"]
 
 
 def step(fleet: Fleet) -> None:
     """Make one step."""
-    for phase in PHASES:
-        _DOES[phase](fleet)
+    walk(calls_of(fleet))
+
+
+def calls_of(fleet: Fleet) -> Sequence[Call]:
+    """The calls of a step, in order; prepared again where a group's parameters or states are others than before."""
+    unbound = [group for group in fleet.groups if not group.is_bound]
+    if unbound or not fleet.calls:
+        for group in unbound:
+            group.bind()
+        fleet.calls = tuple(_calls(fleet))
+    return fleet.calls
+
+
+def _calls(fleet: Fleet) -> Iterator[Call]:
+    groups = fleet.groups
+    for group in groups:
+        yield from group.control_calls()
+        if group.driver.can_report:
+            yield Call("control", f"{group.label} / reports", functools.partial(_log_reports, fleet, group))
+    for group in groups:
+        yield from group.actuate_calls()
+    for obstacles in fleet.obstacles:
+        if obstacles.motion is not None:
+            label = f"{obstacles.label} / motion: {type(obstacles.motion).__name__}"
+            yield Call("actuate", label, obstacles.actuate)
+    yield Call("move", "contact", functools.partial(_move, fleet))
+    for group in groups:
+        yield from group.place_calls()
+    if fleet.has_emitters:
+        yield Call("sense", "emitters", functools.partial(collect, groups, fleet.world))
+    for group in groups:
+        yield from group.sense_calls()
+    for group in groups:
+        yield from group.estimate_calls()
+        if group.estimators.can_fail:
+            yield Call("estimate", f"{group.label} / failures", functools.partial(_log_failures, fleet, group))
+    for each in fleet.everything:
+        yield Call("record", f"{each.label} / fingerprint", each.record)
 
 
 def _touch(fleet: Fleet, touching: frozenset[tuple[int, int]], before: Array) -> None:
@@ -44,15 +79,12 @@ def _touch(fleet: Fleet, touching: frozenset[tuple[int, int]], before: Array) ->
 def first_look(fleet: Fleet) -> None:
     """Sense and estimate at the start of an episode, so that a controller never sees an empty reading."""
     fleet.tell_time()
-    for phase in ("sense", "estimate", "record"):
-        _DOES[phase](fleet)
+    walk(call for call in calls_of(fleet) if call.phase in ("sense", "estimate", "record"))
 
 
-def _control(fleet: Fleet) -> None:
-    for group in fleet.groups:
-        group.control()
-        for row, word, value in group.driver.reports():
-            _log_report(fleet, group, row, word, value)
+def _log_reports(fleet: Fleet, group: Group) -> None:
+    for row, word, value in group.driver.reports():
+        _log_report(fleet, group, row, word, value)
 
 
 def _log_report(fleet: Fleet, group: Group, row: int, word: str, value: object) -> None:
@@ -72,11 +104,6 @@ def _log_report(fleet: Fleet, group: Group, row: int, word: str, value: object) 
     )
 
 
-def _actuate(fleet: Fleet) -> None:
-    for group in fleet.everything:
-        group.actuate()
-
-
 def _move(fleet: Fleet) -> None:
     poses, stop, contacts = fleet.movement.make()
     _meet(fleet, poses, contacts)
@@ -92,7 +119,8 @@ def _meet(fleet: Fleet, poses: Array, contacts: Sequence[Contact]) -> None:
         # A contact that continues is not a new collision.
         if (contact.body, contact.other) not in fleet.contacts:
             _log_contact(fleet, contact)
-    before, fleet.world.poses = fleet.world.poses, poses
+    before = fleet.world.poses.copy() if contacts or fleet.contacts else poses
+    fleet.world.poses = poses
     _touch(fleet, frozenset((contact.body, contact.other) for contact in contacts) if contacts else NO_PAIRS, before)
 
 
@@ -108,20 +136,9 @@ def _not_finite(fleet: Fleet, poses: Array) -> AmorsimError:
     return group.whose.not_finite(what, component, f"the pose of {part!r}" if part else "the pose", rows)
 
 
-def _sense(fleet: Fleet) -> None:
-    for group in fleet.groups:
-        group.look()
-    if fleet.has_emitters:
-        collect(fleet.groups, fleet.world)
-    for group in fleet.groups:
-        group.sense()
-
-
-def _estimate(fleet: Fleet) -> None:
-    for group in fleet.groups:
-        group.estimate_pose()
-        for name, row, ends in group.estimators.failures():
-            _log_failure(fleet, group, name, row, ends)
+def _log_failures(fleet: Fleet, group: Group) -> None:
+    for name, row, ends in group.estimators.failures():
+        _log_failure(fleet, group, name, row, ends)
 
 
 def _log_failure(fleet: Fleet, group: Group, name: str, row: int, ends: bool) -> None:
@@ -144,21 +161,6 @@ def _log_failure(fleet: Fleet, group: Group, name: str, row: int, ends: bool) ->
         group.driver.end(row)
         if group.driver.controller is not None:
             fleet.events.append(attrs.evolve(event, kind="controller_ended", path=""))
-
-
-def _record(fleet: Fleet) -> None:
-    for group in fleet.everything:
-        group.record()
-
-
-_DOES: Mapping[str, Callable[[Fleet], None]] = {
-    "control": _control,
-    "actuate": _actuate,
-    "move": _move,
-    "sense": _sense,
-    "estimate": _estimate,
-    "record": _record,
-}
 
 
 def _speed(fleet: Fleet, group: Group | ObstacleGroup, row: int, body: int, contact: Contact) -> float:

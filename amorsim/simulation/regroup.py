@@ -78,6 +78,8 @@ def regrouped(old: Fleet, chains: Mapping[str, Chains]) -> Fleet:
             _carry(source, np.array([sources[i][1] for i in rows]), group, rows)
     new.place()
     new.tell_time()
+    for group in new.groups:  # now, so that readings are in their places at once
+        group.bind()
     return new
 
 

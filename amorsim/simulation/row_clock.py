@@ -11,9 +11,9 @@ __all__ = ["RowClock"]
 
 
 class RowClock:
-    """The time of N rows. `counter` is the counter of random draws and changes in place; other arrays are replaced."""
+    """The time of N rows. Its arrays change in place, except `elapsed`, which is replaced."""
 
-    __slots__ = ("always", "clock", "counter", "dt", "elapsed", "now", "replica", "step", "tick", "time")
+    __slots__ = ("always", "counter", "dt", "elapsed", "now", "replica", "step", "tick", "time")
 
     def __init__(self, replica: npt.NDArray[np.int64], dt: float) -> None:
         self.replica = replica
@@ -21,29 +21,33 @@ class RowClock:
         self.always = np.ones((len(replica), 1), dtype=bool)
         self.step = np.full((len(replica), 1), dt)  # [s] since the previous step, after the first
         self.now = np.zeros((len(replica), 1))  # [s], the age of values of this tick
-        self.counter = np.zeros((len(replica), 3), dtype=np.uint32)
+        self.tick = np.zeros((len(replica), 1), dtype=np.int64)
+        self.time = np.zeros((len(replica), 1))
+        self.elapsed = self.now  # [s] since the previous step
+        self.counter = np.zeros((len(replica), 3), dtype=np.uint32)  # of random draws
         self.counter[:, 0] = replica
-        self.set_tick(np.zeros((len(replica), 1), dtype=np.int64))
+
+    @property
+    def clock(self) -> Clock:
+        """The time for components, in copies."""
+        return Clock(tick=self.tick.copy(), time=self.time.copy(), dt=self.dt)
 
     def set_tick(self, tick: npt.NDArray[np.int64]) -> None:
         """Put every row to its tick `(N, 1)`."""
-        self.tick = tick
-        # Multiplied, not summed: the time is still right after a billion steps.
-        self.time: npt.NDArray[np.float64] = np.multiply(tick, self.dt, dtype=np.float64)
-        self.elapsed = np.where(tick > 0, self.dt, 0.0)  # [s] since the previous step
-        self.clock = Clock(tick=tick, time=self.time, dt=self.dt)
-        self.counter[:, 2] = tick[:, 0]
+        self.tick[...] = tick
+        self._tell()
+        self.elapsed = np.where(tick > 0, self.dt, 0.0)
 
     def advance(self) -> None:
         """Put every row to the next tick."""
-        tick = self.tick + 1
-        self.take(tick, np.multiply(tick, self.dt))
-        self.counter[:, 2] = tick[:, 0]
+        self.tick += 1
+        self._tell()
+        self.elapsed = self.step
 
-    def take(self, tick: npt.NDArray[np.int64], time: npt.NDArray[np.float64]) -> None:
-        """Take the next tick of every row, and its time; the caller updates `counter`."""
-        self.tick, self.time, self.elapsed = tick, time, self.step
-        self.clock = Clock(tick, time, self.dt)
+    def _tell(self) -> None:
+        # Multiplied, not summed: the time is still right after a billion steps.
+        np.multiply(self.tick, self.dt, out=self.time)
+        self.counter[:, 2] = self.tick[:, 0]
 
     def set_episode(self, episode: npt.NDArray[np.int64]) -> None:
         """Put every row to its episode `(N,)`."""

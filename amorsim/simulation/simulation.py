@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, overload
 
 import numpy as np
@@ -27,6 +27,7 @@ from amorsim.simulation.handle import ObstacleHandle, Reading, Readings, RobotHa
 from amorsim.simulation.keeping import Keeper
 from amorsim.simulation.regroup import frames_as
 from amorsim.simulation.restart import begin_episode, fleet_fitting
+from amorsim.simulation.schedule import Schedule
 from amorsim.simulation.snapshot import Snapshot, put_back, take_snapshot
 from amorsim.simulation.world.occupancy import occupancy
 from amorsim.simulation.world.terrain import Terrains
@@ -131,6 +132,20 @@ class Simulation:
             self._kidnap()
         phases.step(self._fleet)
         self._began = None
+
+    @property
+    def schedule(self) -> Schedule:
+        """The calls of a step, in order: ``print(sim.schedule)``; with the time of each: ``sim.schedule.profile()``."""
+        return Schedule(lambda: phases.calls_of(self._fleet), self._try_steps)
+
+    def _try_steps(self, steps: int, step: Callable[[], None]) -> None:
+        """Make steps in some way, and put everything back to where it was."""
+        before = self.snapshot()
+        try:
+            for _ in range(steps):
+                step()
+        finally:
+            self.restore(before)
 
     def _kidnap(self) -> None:
         moves = [

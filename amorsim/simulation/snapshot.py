@@ -156,7 +156,7 @@ def put_back(fleet: Fleet, snapshot: Snapshot, which: Bools) -> None:
             }
         )
         for where, state in group.states().items():
-            _merge_state(rows, where, held.states[where], state)
+            _merge_state(rows, where, held.states[where], state)  # so the group is bound again
     fleet.place()
     fleet.tell_time()
 

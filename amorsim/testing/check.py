@@ -33,6 +33,7 @@ from amorsim.core.trouble import RAISED, error_in_words
 from amorsim.plugins.checks import check_class
 from amorsim.scenario.places import first_place, goals_of
 from amorsim.scenario.spec import Scenario
+from amorsim.testing.bound import check_bound
 from amorsim.testing.drive import DriveTrial
 from amorsim.testing.failure import Who
 from amorsim.testing.kinds import ControllerTrial, EstimatorTrial, MotionTrial, NoiseTrial, SensorTrial
@@ -149,6 +150,7 @@ def check_component(
     if isinstance(component, Drive):
         trial = DriveTrial(who, _plain_rig(), component, kin)
         try_rows(trial, kin)
+        check_bound(who, trial.rig, kin)
         trial.check_paths(kin)
         trial.check_jacobian(kin)
         trial.check_inverse(kin)
@@ -172,6 +174,7 @@ def check_component(
     if isinstance(component, (Controller, Motion)):
         _check_places(who, component)
     record = try_rows(others, kin)
+    check_bound(who, rig, kin, others.size)
     if isinstance(component, Sensor):
         _check_change(who, record)
 

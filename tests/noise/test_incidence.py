@@ -7,10 +7,10 @@ import pytest
 
 import amorsim as am
 from amorsim.contracts import Aim
+from amorsim.contracts.side import Side
 from amorsim.core.map import Map
 from amorsim.core.shapes import Shape
 from amorsim.sensors.incidence import PATCH
-from amorsim.sensors.side import Side
 from amorsim.simulation.world.sensor_view import GroupView
 from amorsim.simulation.world.world import World
 from tests import building

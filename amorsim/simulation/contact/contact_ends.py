@@ -23,7 +23,7 @@ def still_near(world: World, pairs: frozenset[tuple[int, int]], before: Array) -
     At the poses `before` `(T, 3)` they had not parted; all bodies have since moved to their poses in the world.
     """
     poses = world.poses
-    if not pairs or poses is before:
+    if not pairs:
         return pairs
     gone = (poses != before).any(axis=1)
     moved = [pair for pair in pairs if gone[pair[0]] or (pair[1] != WALL and gone[pair[1]])]

@@ -99,6 +99,9 @@ class Movement:
         self._bound = np.empty(count)
         self._fastest = np.empty(world.replicas)
         self._looking = np.empty(count, dtype=np.int64)
+        self._end = np.empty((count, 3))
+        # The kernels write `stop` and, except for form `OTHER`, `bound`.
+        self._paths = Paths(world.poses, self._motion, self._form, self._bound, np.empty(count))
 
     def make(self) -> tuple[Array, Array, list[Contact]]:
         """Move all bodies through a step.
@@ -112,9 +115,8 @@ class Movement:
         contacts
             In order of time.
         """
-        world = self._world
-        paths = self._set_out()
-        end = np.empty_like(paths.start)
+        world, paths, end = self._world, self._paths, self._end
+        self._lay_paths()
         count = set_out(paths, world.bodies.reach, world.first, world.clearance, end, self._fastest, self._looking)
         if world.has_parts:
             end[world.parts] = self._at(paths, world.parts, np.ones(len(world.parts)))
@@ -134,14 +136,12 @@ class Movement:
 
     def arrive(self, poses: Array, stop: Array) -> None:
         """Pass the results of `make` to the movers, and the resulting velocities to the world."""
-        twists = self._world.twists.copy()
         for mover, rows in self._rows:
             mover.arrive(np.ascontiguousarray(poses[rows]), np.ascontiguousarray(stop[rows]))
-            twists[rows] = mover.true_twist
-        self._world.twists = twists
+            self._world.twists[rows] = mover.true_twist
 
-    def _set_out(self) -> Paths:
-        """The paths of all bodies; the kernels write `stop` and, except for form `OTHER`, `bound` later."""
+    def _lay_paths(self) -> None:
+        """Take the movers' paths through this step."""
         for mover, rows in self._rows:
             form, motion = mover.path()
             self._form[rows] = form
@@ -150,8 +150,6 @@ class Movement:
                 travel = mover.travel()
                 bound = travel[:, 0] + travel[:, 1] * self._world.bodies.reach[rows]
                 self._bound[rows] = np.where(bound < LEAST, 0.0, bound * (1.0 + 1e-9))
-        start = self._world.poses
-        return Paths(start, self._motion, self._form, self._bound, np.empty(len(start)))
 
     def _at(self, paths: Paths, bodies: Ints, fraction: Array) -> Array:
         """World poses `(Q, 3)` of bodies at fractions `(Q,)`; one that stopped stays where it stopped."""

@@ -239,7 +239,9 @@ class _Steps:
         if self._program is None or self._size != values.shape[1]:
             self._size = values.shape[1]
             self._program = NoiseProgram([self._size], [self.steps or ()])
-        return self._program.apply(np.ravel(values)).reshape(values.shape)
+        out = np.empty(values.shape)
+        self._program.apply(np.ravel(values), out.reshape(-1))
+        return out
 
 
 _Link = _Element | _Steps

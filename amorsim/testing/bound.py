@@ -1,0 +1,282 @@
+"""Whether a component that binds itself computes what its simple form does, and leaves alone what is not its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import (
+    Aim,
+    Context,
+    Controller,
+    ControllerBinding,
+    Drive,
+    DriveBinding,
+    Estimate,
+    Estimator,
+    EstimatorBinding,
+    Measurement,
+    Sensor,
+    SensorBinding,
+    State,
+)
+from amorsim.core.rows import stack
+from amorsim.kernels.kinematics import poses
+from amorsim.simulation.feeding import estimate_readings, feeders
+from amorsim.testing.failure import Who
+from amorsim.testing.rig import DT, ROWS, STEPS, Rig, Session
+
+__all__ = ["check_bound"]
+
+Array = npt.NDArray[np.float64]
+Arrays = dict[str, npt.NDArray[Any]]
+
+
+def check_bound(who: Who, rig: Rig, components: Sequence[Any], size: int = 0) -> None:
+    """Compare a component's own `bind` with its simple form, over all rows of the rig and all steps.
+
+    A component that is bound by the base class of its kind passes. `size` is that of a sample, for the context.
+    """
+    component = stack(components)
+    kinds: dict[type, Any] = {Sensor: _Sensor, Drive: _Drive, Estimator: _Estimator, Controller: _Controller}
+    for base, form in kinds.items():
+        if isinstance(component, base) and type(component).bind is not base.bind:  # type: ignore[attr-defined]
+            _compare(who, form(rig, component, size), form(rig, component, size))
+
+
+def _compare(who: Who, simple: _Form, bound: _Form) -> None:
+    for t in range(STEPS):
+        simple.go_to(t)
+        bound.go_to(t)
+        if t == 0:
+            with who.calling("bind"):
+                run = bound.bind()
+        with who.calling(simple.name):
+            expected = simple.call()
+        before = {name: array.copy() for name, array in bound.given.items()}
+        bound.out.fill(np.nan)
+        with who.calling("what bind() returned"):
+            run()
+        for name, array in bound.given.items():
+            if array.tobytes() != before[name].tobytes():
+                who.fail("bind", f"{name}: expected an array of the engine to be left alone, found it changed")
+        _require_same(who, f"what bind() wrote in step {t}", expected, bound.out)
+        for name, array in simple.state.items():
+            if array.dtype != object:
+                _require_same(who, f"state[{name!r}] after step {t}", array, bound.state[name])
+
+
+def _require_same(who: Who, what: str, expected: npt.NDArray[Any], found: npt.NDArray[Any]) -> None:
+    if expected.tobytes() != found.tobytes():
+        rows = np.flatnonzero((np.asarray(expected) != np.asarray(found)).reshape(len(expected), -1).any(axis=1))
+        who.fail("bind", f"{what}: expected the bits of the simple form, found others, in {len(rows)} of its rows")
+
+
+class _Form:
+    """A component in the rig, step by step: its simple form is called, or it is bound once."""
+
+    name = ""
+
+    def __init__(self, rig: Rig, component: Any, size: int) -> None:
+        self.rig, self.component, self.size = rig, component, size
+        self.session = Session(rig, np.arange(ROWS, dtype=np.int64))
+        self.session.go_to(0)
+        context: Context = self.session.context(size)
+        self.state: State = dict(component.start(context))
+        self.given: Arrays = {}
+        self.out: npt.NDArray[Any] = np.zeros(0)
+        self.prepare()
+
+    def prepare(self) -> None:
+        """Make the arrays that keep their place."""
+        raise NotImplementedError
+
+    def go_to(self, t: int) -> None:
+        """Write the inputs of step `t` into the arrays that the component was bound to."""
+        self.session.go_to(t)
+        for name, array in self.now().items():
+            self.given.setdefault(name, np.array(array))[...] = array
+
+    def now(self) -> Mapping[str, npt.NDArray[Any]]:
+        """The inputs of this step, by name."""
+        raise NotImplementedError
+
+    def call(self) -> npt.NDArray[Any]:
+        """What the simple form returns."""
+        raise NotImplementedError
+
+    def bind(self) -> Callable[[], None]:
+        """The bound function."""
+        raise NotImplementedError
+
+
+class _Sensor(_Form):
+    name = "sense"
+
+    def prepare(self) -> None:
+        self.out = np.zeros((ROWS, self.size))
+        self._pose = np.zeros((ROWS, 3))
+
+    def now(self) -> Mapping[str, npt.NDArray[Any]]:
+        view = self.session.view
+        poses.compose(view.body_pose, view.mount, self._pose)
+        names = ("tick", "body_pose", "twist", "joints", "joint_rates")
+        return {"pose": self._pose, **{name: getattr(view, name) for name in names}}
+
+    def call(self) -> npt.NDArray[Any]:
+        values, _ = self.component.sense(self.session.view, Aim(), self.state, self.session.draws)
+        return np.asarray(values)
+
+    def bind(self) -> Callable[[], None]:
+        def answer(values: Any, _: Mapping[str, Array]) -> None:
+            self.out[...] = values
+
+        given: Any = self.given
+        view = self.session.view
+        bound: Callable[[], None] = self.component.bind(
+            SensorBinding(
+                rows=ROWS, dt=DT, view=view, look=lambda: view, state=self.state, draws=self.session.draws,
+                aim=None, sides={}, out=self.out, answer=answer, **given,
+            )
+        )  # fmt: skip
+        return bound
+
+
+class _Drive(_Form):
+    name = "advance"
+
+    def prepare(self) -> None:
+        shape = ROWS, len(self.component.joints)
+        random = np.random.default_rng(4)
+        self._joints = random.uniform(-3.0, 3.0, (STEPS, *shape))
+        self._rates = random.uniform(-6.0, 6.0, (STEPS, *shape))
+        self._commands = random.uniform(-6.0, 6.0, (STEPS, ROWS, len(self.component.channels)))
+        self.out = np.zeros((2, *shape))
+
+    def now(self) -> Mapping[str, npt.NDArray[Any]]:
+        t = self.session.t
+        return {"joints": self._joints[t], "joint_rates": self._rates[t], "command": self._commands[t]}
+
+    def call(self) -> npt.NDArray[Any]:
+        given = [array.copy() for array in self.given.values()]
+        return np.array(self.component.advance(*given, DT, self.state, self.session.draws))
+
+    def bind(self) -> Callable[[], None]:
+        def answer(joints: Array, rates: Array) -> None:
+            self.out[0], self.out[1] = joints, rates
+
+        given: Any = self.given
+        to = DriveBinding(
+            rows=ROWS, dt=DT, state=self.state, draws=self.session.draws, out=self.out, answer=answer, **given
+        )
+        bound: Callable[[], None] = self.component.bind(to)
+        return bound
+
+
+class _Software(_Form):
+    """A component that sees readings."""
+
+    def now(self) -> Mapping[str, npt.NDArray[Any]]:
+        found: Arrays = {}
+        for name, reading in self._readings().items():
+            found |= {f"readings[{name!r}].{field}": getattr(reading, field) for field in reading._fields}
+        return found
+
+    def _readings(self) -> dict[str, Measurement]:
+        return self.session.measurements()
+
+    def _live(self) -> dict[str, Measurement]:
+        fields = Measurement._fields
+        return {
+            name: Measurement(*(self.given[f"readings[{name!r}].{f}"] for f in fields)) for name in self._readings()
+        }
+
+
+class _Estimator(_Software):
+    name = "update"
+
+    def prepare(self) -> None:
+        self._pose, self._covariance = np.zeros((ROWS, 3)), np.zeros((ROWS, 3, 3))
+
+    def now(self) -> Mapping[str, npt.NDArray[Any]]:
+        command = self.rig.commands[self.session.t][self.session.index]
+        return {**super().now(), "command": command, "elapsed": self.session.elapsed()}
+
+    def _readings(self) -> dict[str, Measurement]:
+        names, always = feeders(self.component), np.ones((ROWS, 1), dtype=bool)
+        estimates = dict.fromkeys(names, self.session.estimate())
+        return super()._readings() | estimate_readings(names, estimates, self.session.clock().tick, always)
+
+    def call(self) -> npt.NDArray[Any]:
+        command, elapsed = self.given["command"].copy(), self.given["elapsed"].copy()
+        given = self.session.robot, self._readings(), command, elapsed, self.state
+        pose, covariance = self.component.update(*given, self.session.draws)
+        return np.concatenate((pose, covariance.reshape(ROWS, 9)), axis=1)
+
+    def bind(self) -> Callable[[], None]:
+        out = Estimate(self._pose, self._covariance)
+
+        def answer(estimate: Estimate) -> None:
+            out.pose[:], out.covariance[:] = estimate
+
+        inner: Callable[[], None] = self.component.bind(
+            EstimatorBinding(
+                robot=self.session.robot,
+                readings=self._live(),
+                copied_readings=self._readings,
+                command=self.given["command"],
+                elapsed=lambda: self.given["elapsed"],
+                state=self.state,
+                draws=self.session.draws,
+                out=out,
+                answer=answer,
+            )
+        )
+        self.out = np.zeros((ROWS, 12))
+
+        def run() -> None:
+            inner()
+            self.out[...] = np.concatenate((out.pose, out.covariance.reshape(ROWS, 9)), axis=1)
+
+        return run
+
+
+class _Controller(_Software):
+    name = "command"
+
+    def prepare(self) -> None:
+        self.out = np.zeros((ROWS, len(self.session.robot.channels)))
+
+    def now(self) -> Mapping[str, npt.NDArray[Any]]:
+        estimate, clock = self.session.estimate(), self.session.clock()
+        own = {"pose": estimate.pose, "covariance": estimate.covariance, "tick": clock.tick, "time": clock.time}
+        return {**super().now(), **own}
+
+    def call(self) -> npt.NDArray[Any]:
+        given = self.session.robot, self._readings(), self.session.estimate(), self.session.clock(), self.state
+        command = self.component.command(*given, self.session.draws)
+        return np.asarray(command)
+
+    def bind(self) -> Callable[[], None]:
+        def answer(command: Any) -> None:
+            self.out[...] = command
+
+        bound: Callable[[], None] = self.component.bind(
+            ControllerBinding(
+                robot=self.session.robot,
+                readings=self._live(),
+                copied_readings=self._live(),
+                estimate=Estimate(self.given["pose"], self.given["covariance"]),
+                tick=self.given["tick"],
+                time=self.given["time"],
+                dt=DT,
+                state=self.state,
+                draws=self.session.draws,
+                out=self.out,
+                answer=answer,
+            )
+        )
+        return bound
