@@ -165,6 +165,19 @@ def test_a_bound_component_keeps_its_state_through_resets_snapshots_and_changes(
     assert shown() == pytest.approx([0.6, 0.6])
 
 
+def test_a_bound_sensor_counts_in_the_rows_that_are_due() -> None:
+    clock = {"clock": MountedSensor(sensor=Clock(), rate=2.5)}
+    sim = am.Simulation(building.scenario(building.robot(sensors=clock, estimators={})), replicas=2)
+    sim.run(0.2)
+    sim.reset(replicas=[1])
+    sim.run(0.8)  # read at 0, 0.4 and 0.8 s of each; of the first at 0 to 1 s
+    shown = [float(sim.robot("rover", one).readings["clock"].true[0]) for one in range(2)]
+    assert shown == pytest.approx([0.2, 0.2])
+    sim.run(0.3)
+    shown = [float(sim.robot("rover", one).readings["clock"].true[0]) for one in range(2)]
+    assert shown == pytest.approx([0.3, 0.2])
+
+
 def test_readings_that_were_handed_out_stay_as_they_are() -> None:
     sim = demo(controller=am.controllers.Manual())
     sim.robot("rover").drive(forward=0.3, turn=0.2)

@@ -212,11 +212,10 @@ class Device:
 
     def _sense_twice(self, ahead: Callable[[], None], bent: Callable[[], None]) -> None:
         """Sense as if nothing bent the beams, which is the true reading, and as they are bent."""
-        before = {key: value.copy() for key, value in self.state.items()}
+        before = _Kept(self.state)
         ahead()
         self.check(self._ahead, "sense()")
-        self.state.clear()
-        self.state.update(before)
+        before.put_back(np.zeros_like(self._clock.always))
         self.draws.rewind()
         bent()
 
@@ -260,9 +259,7 @@ class Device:
         if count == 0:
             self._deliver(due, self.true, self.measured)
             return
-        kept = []
-        if count < len(due):
-            kept = [{k: v.copy() for k, v in state.items()} for state in (self.state, *self.chain.states)]
+        kept = [_Kept(state) for state in (self.state, *self.chain.states)] if count < len(due) else []
         elapsed = self._elapsed()
         self._sense()
         side = Side(**self._sides) if self._sides else self._side
@@ -271,9 +268,8 @@ class Device:
         measured = self.chain.corrupt(self.sampled.copy(), side, elapsed)
         self.check_noise(measured)
         late = self.chain.delay(elapsed) if self.chain.delays else None
-        for state, old in zip((self.state, *self.chain.states), kept, strict=False):
-            for key, before in old.items():
-                state[key] = _choose(due, state[key], before)
+        for before in kept:
+            before.put_back(due)
         if self.is_prompt:
             self.measured[:] = measured
             return
@@ -357,6 +353,19 @@ def place_mounts(devices: Sequence[Device], true_pose: Array) -> Callable[[], No
     return place
 
 
-def _choose(rows: Flags, yes: npt.NDArray[Any], no: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """Row by row `yes` or `no`, for any further axes; the dtype of `no`."""
-    return np.where(rows.reshape(len(no), *([1] * (no.ndim - 1))), yes, no)
+class _Kept:
+    """A component's state as it was before a call."""
+
+    def __init__(self, state: State) -> None:
+        self._state, self._places = state, dict(state)
+        self._before = {name: array.copy() for name, array in state.items()}
+
+    def put_back(self, which: Flags) -> None:
+        """Put the rows back that are not marked in `which` `(N, 1)`; arrays that kept their place keep it."""
+        for name, before in self._before.items():
+            now = self._state[name]
+            marked = which.reshape(len(before), *([1] * (before.ndim - 1)))
+            if now is self._places[name]:
+                np.copyto(now, before, where=~marked)
+            else:  # a component in the simple form may put another array there, even one that it has under two names
+                self._state[name] = np.where(marked, now, before)
