@@ -119,10 +119,9 @@ FUNCTIONS: dict[str, tuple[Call, set[str]]] = {
     "delta": (lambda x: analysis.rpe(trajectory(), trajectory(), delta=x), REAL),
     "unit": (lambda x: analysis.rpe(trajectory(), trajectory(), unit=x), ALL),
     "relations": (lambda x: analysis.relation_errors(trajectory(), x), ALL),
-    "samples": (analysis.bootstrap_interval, ALL - {"numbers"}),
-    "confidence": (lambda x: analysis.bootstrap_interval([1.0, 2.0, 4.0], confidence=x), ALL),
-    "resamples": (lambda x: analysis.bootstrap_interval([1.0, 2.0, 4.0], resamples=x), WHOLE),
-    "differences": (analysis.permutation_p, ALL - {"numbers"}),
+    "samples": (analysis.mean_interval, ALL - {"numbers", "empty list", "no numbers"}),
+    "confidence": (lambda x: analysis.mean_interval([1.0, 2.0, 4.0], confidence=x), ALL),
+    "estimators": (lambda x: analysis.compare("none", estimators=x), ALL),
     "paired_effect": (analysis.paired_effect, ALL - {"numbers"}),
     "p_values": (analysis.holm, ALL - {"numbers", "empty list", "no numbers"}),
     "ensemble": (analysis.ensemble, ALL - {"nans"}),
@@ -198,8 +197,7 @@ def test_numbers_of_numpy_are_numbers() -> None:
 
 
 def test_lists_of_numbers_are_taken_for_arrays() -> None:
-    assert analysis.bootstrap_interval([1, 2, 4]) == analysis.bootstrap_interval(np.array([1.0, 2.0, 4.0]))
-    assert analysis.permutation_p([1, 2, 4]) == 0.25
+    assert analysis.mean_interval([1, 2, 4]) == analysis.mean_interval(np.array([1.0, 2.0, 4.0]))
     assert analysis.nees([[1, 0]], [[[1, 0], [0, 1]]]).tolist() == [1.0]
     assert am.compose([[1, 0, 0]], [[0, 2, 0]]).tolist() == [[1.0, 2.0, 0.0]]
     assert am.wrap_angle([4.0]).tolist() == am.wrap_angle(np.array([4.0])).tolist()

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.algorithms.intervals import student_t_quantile
+from amorsim.algorithms.intervals import mean_interval
 from amorsim.core.arguments import numbers, real
 from amorsim.core.parameters import ParameterError
 
@@ -25,7 +25,7 @@ class Ensemble(NamedTuple):
     counts
         How many replicas have a value.
     mean, low, high
-        The mean, and its interval by Student's t.
+        The mean, and its interval (`mean_interval`).
     rms
         The root of the mean square.
     median, lower, upper
@@ -68,14 +68,10 @@ def ensemble(values: npt.ArrayLike, *, confidence: float = 0.95) -> Ensemble:
         there = np.sort(here[~np.isnan(here)])
         if not len(there):
             continue
-        mean = math.fsum(there.tolist()) / len(there)
-        half = math.nan
-        if len(there) > 1:
-            quantile = student_t_quantile(0.5 * (1.0 + confidence), len(there) - 1)
-            half = quantile * float(np.std(there, ddof=1)) / math.sqrt(len(there))
+        mean = mean_interval(there, confidence)
         cut = len(there) // 4
         middle = there[cut : len(there) - cut].tolist()
         quartiles = np.quantile(there, (0.5, 0.25, 0.75)).tolist()
         rms = math.sqrt(math.fsum((there**2).tolist()) / len(there))
-        figures[:, step] = mean, mean - half, mean + half, rms, *quartiles, math.fsum(middle) / len(middle)
+        figures[:, step] = *mean[:3], rms, *quartiles, math.fsum(middle) / len(middle)
     return Ensemble(counts, *figures)

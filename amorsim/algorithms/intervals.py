@@ -1,114 +1,129 @@
-"""Student's t distribution, and the intervals that are made of it."""
+"""The interval of a mean, and its p-value: one computation for everything that prints an interval."""
 
 from __future__ import annotations
 
-import functools
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Interval", "mean_interval", "student_t_quantile"]
+from amorsim.core.arguments import numbers, real
+from amorsim.core.parameters import ParameterError
+from amorsim.core.trouble import in_words
 
-Array = npt.NDArray[np.float64]
+__all__ = ["Interval", "mean_interval", "welch_half_width"]
 
-_TINY = 1e-300
-_MOST_TERMS = 10_000
+FEWEST_FOR_SKEWNESS = 10
+"""Fewer samples do not show how skewed their distribution is."""
 
 
 class Interval(NamedTuple):
-    """A value and how far the interval reaches to either side of it."""
+    """A value and its interval; nan where there are too few samples for one.
+
+    Attributes
+    ----------
+    p
+        How probable a mean at least this far from 0 is if the true one is 0; two-sided. It is below 0.05 exactly where
+        the 95 % interval excludes 0.
+    """
 
     value: float
-    half_width: float
+    low: float
+    high: float
+    p: float = math.nan
 
     @property
-    def low(self) -> float:
-        """The lower end."""
-        return self.value - self.half_width
-
-    @property
-    def high(self) -> float:
-        """The upper end."""
-        return self.value + self.half_width
+    def half_width(self) -> float:
+        """Half of the distance between the ends."""
+        return 0.5 * (self.high - self.low)
 
     def covers(self, value: float) -> bool:
         """Whether a value lies in the interval, its ends included."""
         return self.low <= value <= self.high
 
-
-def mean_interval(samples: Array, confidence: float = 0.95) -> Interval:
-    """The mean of independent samples `(n,)` with its interval by Student's t; n >= 2.
-
-    Each sample may be the result of a whole run: then it does not matter how the values within a run hang together.
-    """
-    count = len(samples)
-    error = math.sqrt(float(np.var(samples, ddof=1)) / count)
-    return Interval(float(np.mean(samples)), student_t_quantile(0.5 + 0.5 * confidence, count - 1) * error)
+    @property
+    def excludes_zero(self) -> bool:
+        """Whether the interval lies on one side of 0."""
+        return self.low > 0.0 or self.high < 0.0
 
 
-@functools.lru_cache(maxsize=1024)
-def student_t_quantile(probability: float, degrees: float) -> float:
-    """The value that a t-distributed number stays below with this probability.
+def mean_interval(samples: npt.ArrayLike, confidence: float = 0.95) -> Interval:
+    """The mean of independent samples `(n,)` with its interval; the ends are nan for fewer than two samples.
 
-    Parameters
-    ----------
-    probability
-        Between 0 and 1, both excluded.
-    degrees
-        Degrees of freedom, > 0; need not be whole.
+    Student's t. From ten samples on, each end is the farther one of Student's t and of t corrected for the samples'
+    skewness (Hall 1992), so that the interval also covers the means of skewed distributions, such as those of errors.
+    Samples that are all alike have an interval without width.
+
+    Each sample may be the result of a whole run. Correlation within a run then does not matter.
 
     Raises
     ------
     ValueError
-        Outside of these.
+        If `samples` are no list of numbers, or `confidence` is not between 0 and 1.
     """
-    if not (0.0 < probability < 1.0 and degrees > 0.0):
-        raise ValueError(f"expected 0 < probability < 1 and degrees > 0, got {probability!r} and {degrees!r}")
-    if probability < 0.5:
-        return -student_t_quantile(1.0 - probability, degrees)
-    wanted = 1.0 - probability
-    low, high = 0.0, 1.0
-    while _upper_tail(high, degrees) > wanted:
-        low, high = high, 2.0 * high
-    # Bisection to neighbouring numbers: slow and sure, for a study asks for few different ones.
-    while low < (middle := 0.5 * (low + high)) < high:
-        low, high = (middle, high) if _upper_tail(middle, degrees) > wanted else (low, middle)
-    return middle
+    given = numbers(samples, "samples", ("n",))
+    level = real(confidence, "confidence", "a number between 0 and 1")
+    if not 0.0 < level < 1.0:
+        raise ParameterError("confidence", f"expected a number between 0 and 1, got {in_words(confidence)}")
+    count = len(given)
+    if count < 2:
+        return Interval(float(given[0]) if count else math.nan, math.nan, math.nan)
+    if given.min() == given.max():
+        value = float(given[0])
+        return Interval(value, value, value, 0.0 if value else 1.0)
+    from scipy.special import stdtr, stdtrit
+
+    with np.errstate(all="ignore"):  # infinite and huge samples have no interval
+        mean, spread = float(np.mean(given)), float(np.std(given, ddof=1))
+    if not 0.0 < spread < math.inf:
+        return Interval(mean, math.nan, math.nan)
+    error = spread / math.sqrt(count)
+    bend = _skewness(given, mean, spread) / math.sqrt(count) if count >= FEWEST_FOR_SKEWNESS else 0.0
+    quantile = float(stdtrit(count - 1, 0.5 + 0.5 * level))
+    low = mean - error * max(quantile, _uncorrected(quantile, bend))
+    high = mean - error * min(-quantile, _uncorrected(-quantile, bend))
+    scores = mean / error, _corrected(mean / error, bend)
+    beyond = max(min(scores), -max(scores), 0.0)
+    return Interval(mean, low, high, 2.0 * float(stdtr(count - 1, -beyond)))
 
 
-def _upper_tail(t: float, degrees: float) -> float:
-    """Probability of more than t >= 0."""
-    return 0.5 * _incomplete_beta(degrees / (degrees + t * t), 0.5 * degrees, 0.5)
+def _skewness(samples: npt.NDArray[np.float64], mean: float, spread: float) -> float:
+    """The skewness of samples, as their own third moment gives it."""
+    cubes = ((samples - mean) / spread) ** 3
+    return float(np.mean(cubes)) * (len(samples) / (len(samples) - 1)) ** 1.5
 
 
-def _incomplete_beta(x: float, a: float, b: float) -> float:
-    """The regularised incomplete beta function I_x(a, b), 0 <= x <= 1."""
-    if x <= 0.0 or x >= 1.0:
-        return float(x >= 1.0)
-    if x > (a + 1.0) / (a + b + 2.0):  # where the fraction converges slowly, it does for the complement
-        return 1.0 - _incomplete_beta(1.0 - x, b, a)
-    size = math.lgamma(a + b) - math.lgamma(a) - math.lgamma(b) + a * math.log(x) + b * math.log1p(-x)
-    return math.exp(size) / (a * _beta_fraction(x, a, b))
+def _corrected(score: float, bend: float) -> float:
+    """Hall's transformation, after which a studentized mean is nearly t-distributed; `bend` is skewness / sqrt(n).
 
-
-def _beta_fraction(x: float, a: float, b: float) -> float:
-    """The continued fraction 1 + d1 / (1 + d2 / (1 + ...)) of I_x(a, b), evaluated from its front (Lentz).
-
-    The coefficients are those of DLMF 8.17.22: https://dlmf.nist.gov/8.17#v
+    P. Hall, "On the removal of skewness by transformation", J. R. Statist. Soc. B 54 (1992) 221-228. It is monotone and
+    has a closed inverse.
     """
-    value = c = 1.0
-    d = 0.0
-    for term in range(1, _MOST_TERMS):
-        m = term // 2
-        if term % 2:
-            top = -(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1))
-        else:
-            top = m * (b - m) * x / ((a + 2 * m - 1) * (a + 2 * m))
-        d = 1.0 / ((1.0 + top * d) or _TINY)
-        c = (1.0 + top / c) or _TINY
-        value *= c * d
-        if abs(c * d - 1.0) < 1e-15:
-            break
-    return value
+    return score + bend * (score**2 / 3.0 + bend * score**3 / 27.0 + 1.0 / 6.0)
+
+
+def _uncorrected(score: float, bend: float) -> float:
+    """The inverse of `_corrected`."""
+    if abs(bend) < 1e-8:  # the correction is smaller than its rounding
+        return score
+    return 3.0 * (math.cbrt(1.0 + bend * (score - bend / 6.0)) - 1.0) / bend
+
+
+def welch_half_width(variances: Sequence[float], counts: Sequence[int], confidence: float = 0.95) -> float:
+    """Half the width of the interval of a sum or difference of two independent parts (Welch and Satterthwaite).
+
+    Parameters
+    ----------
+    variances
+        Of the two parts, each estimated from as many samples as `counts` has, two at least.
+    """
+    from scipy.special import stdtrit
+
+    total = float(sum(variances))
+    if total == 0.0:
+        return 0.0
+    # As shares of the total, whose squares do not vanish when it is small.
+    degrees = 1.0 / sum((part / total) ** 2 / (count - 1) for part, count in zip(variances, counts, strict=True))
+    return float(stdtrit(degrees, 0.5 + 0.5 * confidence)) * math.sqrt(total)

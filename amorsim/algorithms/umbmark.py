@@ -20,7 +20,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.algorithms.intervals import Interval, student_t_quantile
+from amorsim.algorithms.intervals import Interval, welch_half_width
 from amorsim.algorithms.least_squares import gauss_newton
 
 __all__ = [
@@ -141,9 +141,9 @@ def exact_fit(
     variances = [
         count * np.var(part, axis=0, ddof=1) for part, count in zip(_split(shares, counts), counts, strict=True)
     ]
+    halves = [welch_half_width(parts, counts, confidence) for parts in zip(*variances, strict=True)]
     found = [
-        Interval(value, _half_width((float(one), float(other)), counts, confidence))
-        for value, one, other in zip(fit.values.tolist(), *variances, strict=True)
+        Interval(value, value - half, value + half) for value, half in zip(fit.values.tolist(), halves, strict=True)
     ]
     parts = _split(fit.residuals.reshape(-1, 2), counts)
     squares = sum(float(np.sum((part - np.mean(part, axis=0)) ** 2)) for part in parts)
@@ -152,12 +152,3 @@ def exact_fit(
 
 def _split(rows: Array, counts: tuple[int, int]) -> tuple[Array, Array]:
     return rows[: counts[0]], rows[counts[0] :]
-
-
-def _half_width(variances: tuple[float, float], counts: tuple[int, int], confidence: float) -> float:
-    total = sum(variances)
-    if total == 0.0:
-        return 0.0
-    # As shares of the total, whose squares do not vanish when it is small.
-    degrees = 1.0 / sum((v / total) ** 2 / (n - 1) for v, n in zip(variances, counts, strict=True))
-    return student_t_quantile(0.5 + 0.5 * confidence, degrees) * math.sqrt(total)

@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from amorsim.algorithms.consistency import Consistency, nees, nis, verdict
+    from amorsim.algorithms.effects import holm, paired_effect
     from amorsim.algorithms.ensembles import Ensemble, ensemble
+    from amorsim.algorithms.intervals import Interval, mean_interval
     from amorsim.algorithms.map_scores import MapScores, distances_to_walls, map_scores
-    from amorsim.algorithms.resampling import bootstrap_interval, holm, paired_effect, permutation_p
     from amorsim.algorithms.trajectories import Transform, umeyama
-    from amorsim.analysis.comparison import Comparison, Difference, compare
+    from amorsim.analysis.comparison import compare
     from amorsim.analysis.consistency import run_nees, run_nis
+    from amorsim.analysis.differences import Comparison, Difference
     from amorsim.analysis.export import export_run
     from amorsim.analysis.files import RunFiles
     from amorsim.analysis.measuring import measure
@@ -35,12 +37,14 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "amorsim.algorithms.consistency": "Consistency nees nis verdict",
+    "amorsim.algorithms.effects": "holm paired_effect",
     "amorsim.algorithms.ensembles": "Ensemble ensemble",
+    "amorsim.algorithms.intervals": "Interval mean_interval",
     "amorsim.algorithms.map_scores": "MapScores distances_to_walls map_scores",
-    "amorsim.algorithms.resampling": "bootstrap_interval holm paired_effect permutation_p",
     "amorsim.algorithms.trajectories": "Transform umeyama",
-    "amorsim.analysis.comparison": "Comparison Difference compare",
+    "amorsim.analysis.comparison": "compare",
     "amorsim.analysis.consistency": "run_nees run_nis",
+    "amorsim.analysis.differences": "Comparison Difference",
     "amorsim.analysis.export": "export_run",
     "amorsim.analysis.files": "RunFiles",
     "amorsim.analysis.measuring": "measure",
@@ -58,6 +62,7 @@ __all__ = [
     "Consistency",
     "Difference",
     "Ensemble",
+    "Interval",
     "LogEntry",
     "MapScores",
     "PoseErrors",
@@ -66,18 +71,17 @@ __all__ = [
     "Trajectory",
     "Transform",
     "ape",
-    "bootstrap_interval",
     "compare",
     "distances_to_walls",
     "ensemble",
     "export_run",
     "holm",
     "map_scores",
+    "mean_interval",
     "measure",
     "nees",
     "nis",
     "paired_effect",
-    "permutation_p",
     "read_bag",
     "read_csv",
     "read_kitti",

@@ -9,8 +9,9 @@ import numpy.typing as npt
 from matplotlib.figure import Figure
 
 from amorsim.algorithms.intervals import mean_interval
-from amorsim.analysis.comparison import Comparison, by_draws
+from amorsim.analysis.differences import Comparison, metric_of_estimator
 from amorsim.analysis.figures import tidy
+from amorsim.analysis.paired import by_draws
 from amorsim.sweeps.table import Study
 
 __all__ = ["draw_comparison", "draw_metric"]
@@ -45,7 +46,7 @@ def draw_comparison(found: Comparison) -> Figure:
         unit = f" [{of[0].unit}]" if of[0].unit else ""
         axis.set_yticks(range(len(of)), [f"{each.second}\nless {each.first}" for each in of], fontsize=8)
         axis.set_ylim(len(of) - 0.4, -0.6)
-        axis.set_xlabel(f"difference of {metric}{unit}", fontsize=9)
+        axis.set_xlabel(f"difference of {metric_of_estimator(metric, of[0].estimator)}{unit}", fontsize=9)
     figure.suptitle(
         "paired differences: mean, 95 % interval (thick), without pairing (thin), every pair (dots)",
         x=0.01,
@@ -70,7 +71,7 @@ def draw_metric(study: Study, metric: str) -> Figure:
     groups = _Groups(study, first)
     for number, line in enumerate(lines):
         of_line = None if line is None else study[others[0]] == _in_table(study, others[0], line)
-        places, values, halves = [], [], []
+        points = []
         for place, label in enumerate(labels):
             rows = groups.rows(label, of_line)
             rows = rows[~np.isnan(study[metric][rows])]
@@ -78,19 +79,21 @@ def draw_metric(study: Study, metric: str) -> Figure:
                 continue
             draws = list(zip(study["seed"][rows].tolist(), study["replica"][rows].tolist(), strict=True))
             independent = by_draws(study[metric][rows], draws)  # further axes have the same draws
-            interval = mean_interval(independent) if len(independent) > 1 else None
-            places.append(float(label) if is_number else float(place))
-            values.append(float(np.mean(study[metric][rows])))
-            halves.append(interval.half_width if interval else 0.0)
+            _, low, high, _ = mean_interval(independent)
+            at = float(label) if is_number else float(place)
+            points.append((at, float(np.mean(study[metric][rows])), low, high))
+        if not points:
+            continue
+        places, means, lows, highs = np.array(points).T
         style: dict[str, Any] = {"color": _COLOURS[number % 6], "marker": _MARKERS[number % 6]}
         label = None if line is None else f"{others[0].rpartition('.')[2]} = {line}"
         if len(places) <= _MOST_BARS or not is_number:
-            axis.errorbar(places, values, yerr=halves, capsize=3, linewidth=1.4, label=label, **style)
+            reach = np.nan_to_num(np.maximum([means - lows, highs - means], 0.0))
+            axis.errorbar(places, means, yerr=reach, capsize=3, linewidth=1.4, label=label, **style)
             continue
-        order = np.argsort(places)
-        along, mean, half = (np.array(each)[order] for each in (places, values, halves))
-        axis.plot(along, mean, color=style["color"], linewidth=1.0, label=label)
-        axis.fill_between(along, mean - half, mean + half, color=style["color"], alpha=0.25, linewidth=0.0)
+        places, means, lows, highs = np.array(sorted(points)).T
+        axis.plot(places, means, color=style["color"], linewidth=1.0, label=label)
+        axis.fill_between(places, lows, highs, color=style["color"], alpha=0.25, linewidth=0.0)
     if not is_number:
         shown = range(0, len(labels), -(-len(labels) // _MOST_TICKS))
         axis.set_xticks(shown, [str(labels[place])[:30] for place in shown])

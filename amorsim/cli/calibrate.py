@@ -14,6 +14,7 @@ from amorsim.cli.options import Changes, RobotName, Seed, Studied
 from amorsim.cli.study import check_out, claim_folder, read_study, table
 from amorsim.core.errors import AmorsimError
 from amorsim.core.whole_files import write_text
+from amorsim.render.words import rounded
 
 if TYPE_CHECKING:
     from amorsim.algorithms.intervals import Interval
@@ -64,10 +65,7 @@ def command(
         raise AmorsimError("--element is for --what range: a gyro and a compass have one value")
     read = read_study(scenario, changes, seed)
     title, rows = _measure(read, what, robot, sensor, element, runs)
-    cells = [
-        [name, unit, _cell(found.value, found), _cell(found.low, found), _cell(found.high, found)]
-        for name, unit, found in rows
-    ]
+    cells = [[name, unit, *(rounded(end, found.half_width) for end in found[:3])] for name, unit, found in rows]
     say(f"{title}; {runs} runs")
     say(table(["", "unit", "value", "95 % from", "to"], cells))
     folder = claim_folder(out, read, what.value)
@@ -78,16 +76,8 @@ def command(
     say(f"\nresults: {path}")
 
 
-def _cell(value: float, found: Interval) -> str:
-    """With as many places as the interval's width has two digits that count."""
-    if found.half_width <= 0.0:
-        return f"{value:.6g}"
-    places = min(9, max(0, 1 - math.floor(math.log10(found.half_width))))
-    return f"{round(value, places) + 0.0:.{places}f}"  # 0.0 takes the sign from a zero
-
-
 def _degrees(found: Interval) -> Interval:
-    return type(found)(math.degrees(found.value), math.degrees(found.half_width))
+    return type(found)(*map(math.degrees, found[:3]))
 
 
 def _measure(

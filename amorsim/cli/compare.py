@@ -1,4 +1,4 @@
-"""``amorsim compare``: two or more systems on the same seeds, worlds and noise."""
+"""``amorsim compare``: two or more systems, or estimators, on the same seeds, worlds and noise."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ import typer
 
 from amorsim.cli.console import compile_once, complain, say
 from amorsim.cli.progress import study_progress
+from amorsim.render.words import rounded, significant
 
 if TYPE_CHECKING:
-    from amorsim.analysis.comparison import Comparison
+    from amorsim.analysis.differences import Comparison
     from amorsim.sweeps.several import Several
     from amorsim.sweeps.table import Study
 
@@ -24,7 +25,7 @@ def command(
         list[str],
         typer.Argument(
             metavar="A B ...",
-            help="Folders of studies, or scenarios, which are then simulated; or one study's folder, with --axis.",
+            help="Scenarios, which are then simulated, or folders of studies. Of one alone: its estimators.",
         ),
     ],
     axis: Annotated[
@@ -37,6 +38,16 @@ def command(
             help="Which metric; may be given again. [default: all of the studies; position_error for scenarios]",
         ),
     ] = None,
+    estimator: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            help="Whose estimates; may be given again. [default: all estimators that the systems share]",
+        ),
+    ] = None,
+    robot: Annotated[
+        str, typer.Option(metavar="NAME", help="Of scenarios: which robot, where there are several.")
+    ] = "",
     replicas: Annotated[int, typer.Option(metavar="N", help="Of scenarios: how many replicas of each.")] = 100,
     seeds: Annotated[str, typer.Option(metavar="N,N", help="Of scenarios: the seeds, the same for all.")] = "1",
     duration: Annotated[float | None, typer.Option(metavar="SECONDS", help="Of scenarios: simulated time.")] = None,
@@ -46,28 +57,25 @@ def command(
         typer.Option(metavar="DIR", help="Folder for what is found. [default: amorsim-runs/comparison-<number>]"),
     ] = None,
 ) -> None:
-    """Compare systems on the same seeds, worlds and noise, and say what may be claimed.
+    """Compare systems, or the estimators of one, on the same seeds, worlds and noise; say what may be claimed.
 
     Draws depend on seed, replica and names alone, so each system meets the same noise: differences are taken pair by
-    pair. Intervals are by the bootstrap, p-values by permutation, corrected for the number of differences (Holm).
+    pair. Intervals and p-values are those of the mean difference, corrected for the number of differences (Holm).
     Ctrl-C keeps what was simulated; the same command goes on where it stopped.
     """
     from amorsim.analysis.comparison import compare
-    from amorsim.core.errors import AnalysisError
     from amorsim.runs.folder import check_free, new_folder
 
     are_studies = [(Path(name) / "study.json").exists() for name in systems]
     if not any(are_studies) and axis is None:
-        if len(systems) < 2:
-            raise AnalysisError("expected two scenarios at least")
-        several = _several(systems, metric or ["position_error"], replicas, seeds, duration)
+        several = _several(systems, metric or ["position_error"], estimator or [], robot, replicas, seeds, duration)
         studies = _simulated(several, jobs, out)
         folder = studies[0].folder.parent
         found = compare(*studies, labels=[study.folder.name for study in studies])
         found = attrs.evolve(found, origin={**found.origin, "command": several.command})
     else:
         check_free(out)
-        found = compare(*systems, axis=axis, metrics=metric or ())
+        found = compare(*systems, axis=axis, metrics=metric or (), estimators=estimator or ())
         folder = out or new_folder("comparison")
         folder.mkdir(parents=True, exist_ok=True)
     _report(found)
@@ -77,7 +85,15 @@ def command(
     say("\n" + ", ".join(map(str, made)))
 
 
-def _several(systems: list[str], metrics: list[str], replicas: int, seeds: str, duration: float | None) -> Several:
+def _several(
+    systems: list[str],
+    metrics: list[str],
+    estimators: list[str],
+    robot: str,
+    replicas: int,
+    seeds: str,
+    duration: float | None,
+) -> Several:
     """What a user wants to simulate and compare."""
     from amorsim.core.errors import AnalysisError
     from amorsim.runs.asked import look_up
@@ -90,14 +106,26 @@ def _several(systems: list[str], metrics: list[str], replicas: int, seeds: str, 
     for name in systems:
         look_up(name)
     compile_once(lambda: None)
-    return Several(
-        scenarios=tuple(systems), metrics=tuple(metrics), replicas=replicas, seeds=numbers, duration=duration
+    several = Several(
+        scenarios=tuple(systems),
+        metrics=tuple(metrics),
+        estimators=tuple(estimators),
+        robot=robot,
+        replicas=replicas,
+        seeds=numbers,
+        duration=duration,
     )
+    if len(systems) == 1 and len(several.measured) < 2:
+        raise AnalysisError(
+            f"{systems[0]}: one scenario alone is compared by its estimators, and these metrics judge one only: "
+            f"{', '.join(several.measured)}. Name another scenario, or one with several estimators"
+        )
+    return several
 
 
 def _simulated(several: Several, jobs: int, out: Path | None) -> list[Study]:
     """A study of each scenario, with the same seeds and replicas; goes on with what was begun before."""
-    from amorsim.analysis.comparison import ABOUT
+    from amorsim.analysis.differences import ABOUT
     from amorsim.core.errors import AnalysisError
 
     folder = several.folder(out, "comparison", ended=ABOUT)
@@ -116,31 +144,30 @@ def _simulated(several: Several, jobs: int, out: Path | None) -> list[Study]:
 
 
 def _report(found: Comparison) -> None:
-    from amorsim.cli.study import significant, table
+    from amorsim.analysis.differences import metric_of_estimator
+    from amorsim.cli.study import table
 
     head = ["metric", "system", "mean", "95 % from", "to", "median", "values"]
-    rows = [
-        [
-            each.metric,
-            each.label,
-            *(significant(v) for v in (each.mean, each.low, each.high, each.median)),
-            str(each.count),
-        ]
-        for each in found.summaries
-    ]
+    rows = []
+    for system in found.summaries:
+        half = 0.5 * (system.high - system.low)
+        figures = (system.mean, system.low, system.high, system.median)
+        what = metric_of_estimator(system.metric, system.estimator) + (f" [{system.unit}]" if system.unit else "")
+        rows.append([what, system.label, *(rounded(value, half) for value in figures), str(system.count)])
     say(table(head, rows))
     head = ["difference", "of", "mean", "95 % from", "to", "unpaired from", "to", "p (Holm)", "d", "gain of pairing"]
     rows = []
     for each in found.differences:
+        half = 0.5 * (each.high - each.low)
         figures = (each.mean, each.low, each.high, each.unpaired_low, each.unpaired_high)
         rows.append(
             [
                 f"{each.second} - {each.first}",
-                each.metric,
-                *(significant(value) for value in figures),
+                metric_of_estimator(each.metric, each.estimator),
+                *(rounded(value, half) for value in figures),
                 f"{each.p_corrected:.4f}",
                 f"{each.effect:.2f}",
-                f"{each.gain:.1f}",
+                significant(each.gain, 2),
             ]
         )
     say("\n" + table(head, rows) + "\n")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -10,12 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 from amorsim.cli.console import compile_once, complain
 from amorsim.core.errors import RunError
-from amorsim.render.words import NOTHING
 
 if TYPE_CHECKING:
     from amorsim.scenario.spec import Scenario
 
-__all__ = ["check_out", "claim_folder", "draw", "read_study", "significant", "table"]
+__all__ = ["check_out", "claim_folder", "draw", "read_study", "table"]
 
 
 def read_study(name: str, changes: Sequence[str] | None, seed: int | None) -> Scenario:
@@ -99,11 +97,3 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
         )
         for line in lines
     ).replace(" \n", "\n")
-
-
-def significant(value: float, digits: int = 4) -> str:
-    """A number with some digits that count, without an exponent where it is of usual size."""
-    if abs(value) < NOTHING or not math.isfinite(value):
-        return f"{value:g}" if not math.isfinite(value) else "0"
-    places = max(0, digits - 1 - math.floor(math.log10(abs(value))))
-    return f"{value:.{places}f}" if places <= 9 else f"{value:.{digits - 1}e}"

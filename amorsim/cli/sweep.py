@@ -74,7 +74,8 @@ def _look(study: Path) -> None:
 def _report(found: Study) -> None:
     import numpy as np
 
-    from amorsim.cli.study import significant, table
+    from amorsim.cli.study import table
+    from amorsim.render.words import significant
     from amorsim.sweeps.table import counted
 
     points, first = np.unique(found["point"], return_index=True)

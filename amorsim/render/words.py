@@ -7,7 +7,17 @@ import math
 
 from PIL import ImageFont
 
-__all__ = ["NOTHING", "Font", "font", "in_words", "percent", "round_length", "shortened"]
+__all__ = [
+    "NOTHING",
+    "Font",
+    "font",
+    "in_words",
+    "percent",
+    "round_length",
+    "rounded",
+    "shortened",
+    "significant",
+]
 
 NOTHING = 1e-12
 """Smaller values come from rounding and are written as 0."""
@@ -38,6 +48,29 @@ def in_words(metres: float) -> str:
 def percent(share: float) -> str:
     """A share in per cent, with one digit; never "-0.0 %"."""
     return f"{round(100.0 * share, 1) + 0.0:.1f} %"
+
+
+def significant(value: float, digits: int = 4) -> str:
+    """A number with some digits that count, without an exponent where it is of usual size; ``-`` for nan."""
+    if math.isnan(value):
+        return "-"
+    if abs(value) < NOTHING or math.isinf(value):
+        return f"{value:g}" if math.isinf(value) else "0"
+    places = max(0, digits - 1 - math.floor(math.log10(abs(value))))
+    return f"{value:.{places}f}" if places <= 9 else f"{value:.{digits - 1}e}"
+
+
+def rounded(value: float, half_width: float) -> str:
+    """A number with as many places as its interval can tell: to two digits of half the interval's width.
+
+    Without a width, as `significant`.
+    """
+    if not (math.isfinite(value) and NOTHING < half_width < math.inf):
+        return significant(value)
+    places = max(0, 1 - math.floor(math.log10(half_width)))
+    if places > 9:
+        return significant(value)
+    return f"{round(value, places) + 0.0:.{places}f}"  # 0.0 takes the sign from a zero
 
 
 def shortened(text: str, font: Font, width: float) -> str:

@@ -1,8 +1,8 @@
 """A robot's devices on a test bench: the systematic errors of a gyro, a compass and a range sensor.
 
 Each experiment is run several times, as replicas with draws of their own. Every run gives one estimate, and the
-interval is Student's t over the runs. It stays valid if the readings within a run are correlated (a bias that wanders,
-a walk); intervals from single readings would then be too narrow.
+interval is that of a mean over the runs. It stays valid if the readings within a run are correlated (a bias that
+wanders, a walk); intervals from single readings would then be too narrow.
 """
 
 from __future__ import annotations
@@ -314,12 +314,9 @@ def _spread(true: float, readings: Array, is_new: npt.NDArray[np.bool_], name: s
     means = values.sum(axis=0) / counts
     squares = np.where(returned, values - means, 0.0) ** 2
     variance = mean_interval(squares.sum(axis=0) / (counts - 1))
-    # An interval of the variance, converted to its root: d sigma = d variance / (2 sigma).
-    sigma = math.sqrt(variance.value)
-    half = 0.5 * variance.half_width / sigma if sigma > 0.0 else 0.0
     return RangeCalibration(
         distance=true,
         bias=mean_interval(shortest - true + means),
-        sigma=Interval(sigma, half),
+        sigma=Interval(*(math.sqrt(max(end, 0.0)) for end in variance[:3])),
         returned=float(returned.sum() / is_new.sum()),
     )

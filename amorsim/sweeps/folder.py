@@ -19,6 +19,7 @@ from amorsim.scenario.read import load
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.write import table_text, with_copies
 from amorsim.sweeps.chunk import Outcome
+from amorsim.sweeps.judged import about_metric
 from amorsim.sweeps.plan import Plan
 
 __all__ = ["ABOUT", "FORMAT", "StudyFolder", "inputs_of", "read_study_about"]
@@ -68,7 +69,7 @@ class StudyFolder:
                 "stop": plan.stop,
                 "axes": {axis.name: list(axis.labels) for axis in plan.axes},
                 "metrics": {
-                    each.name: {"unit": each.metric.unit, "better": each.metric.better, "robot": each.robot}
+                    each.name: about_metric(each, plan.tables["metrics"][each.name]["use"], scenario.robots)
                     for each in plan.metrics
                 },
                 **circumstances(),

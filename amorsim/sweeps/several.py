@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import shlex
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,7 @@ from amorsim.core.whole_files import write_text
 from amorsim.runs.folder import RUNS, check_free, new_folder
 from amorsim.scenario.read import load
 from amorsim.sweeps.folder import inputs_of
+from amorsim.sweeps.judged import metrics_of_shared
 from amorsim.sweeps.read import read_plan
 from amorsim.sweeps.sweep import Progress, sweep
 from amorsim.sweeps.table import Study
@@ -37,15 +38,39 @@ class Several:
         Paths of their files, or names of bundled ones.
     metrics
         Names of components of the kind `metric`, with their defaults.
+    estimators
+        Whose estimates are measured; without them, those of all estimators that the scenarios share.
+    robot
+        Whose; may be empty where each scenario has one robot.
     duration
         In place of the scenarios' own [s].
+    measured
+        The ``[metrics]`` of each study, as `metrics_of_shared` makes them.
+
+    Raises
+    ------
+    StudyError
+        If a scenario cannot be read, has no such robot, or lacks an estimator.
     """
 
     scenarios: tuple[str, ...]
     metrics: tuple[str, ...]
     replicas: int
     seeds: tuple[int, ...]
+    estimators: tuple[str, ...] = ()
+    robot: str = ""
     duration: float | None = None
+    measured: Mapping[str, Mapping[str, str]] = attrs.field(init=False)
+
+    @measured.default
+    def _of_shared(self) -> Mapping[str, Mapping[str, str]]:
+        scenarios = {}
+        for label, name in zip(self.labels, self.scenarios, strict=True):
+            try:
+                scenarios[label] = load(name)
+            except AmorsimError as error:
+                raise StudyError(f"{label}: {error}") from None
+        return metrics_of_shared(scenarios, self.metrics, self.estimators, self.robot)
 
     @property
     def labels(self) -> list[str]:
@@ -59,8 +84,10 @@ class Several:
         words = ["amorsim", "compare", *self.scenarios, "--replicas", str(self.replicas)]
         words += ["--seeds", ",".join(map(str, self.seeds))]
         words += [] if self.duration is None else ["--duration", f"{self.duration:g}"]
-        for metric in self.metrics:
-            words += ["--metric", metric]
+        words += ["--robot", self.robot] if self.robot else []
+        for option, names in (("--metric", self.metrics), ("--estimator", self.estimators)):
+            for name in names:
+                words += [option, name]
         return shlex.join(words)
 
     def folder(self, out: Path | None, name: str, *, ended: str) -> Path:
@@ -119,7 +146,7 @@ class Several:
             "scenario": self.scenarios[place],
             "replicas": self.replicas,
             "seeds": list(self.seeds),
-            "metrics": {metric: {"use": metric} for metric in self.metrics},
+            "metrics": dict(self.measured),
         }
         return tables if self.duration is None else tables | {"duration": self.duration}
 

@@ -22,9 +22,9 @@ for name in ESTIMATORS:
     print(f"{name:7} off by {1000.0 * errors[name].mean():5.1f} mm on the mean after 30 s")
 
 differences = errors["ekf"] - errors["wheels"]
-low, high = am.analysis.bootstrap_interval(differences)
-print(f"EKF less dead reckoning: {1000.0 * low:.0f} to {1000.0 * high:.0f} mm (95 %)")
-print(f"p of no difference: {am.analysis.permutation_p(differences):.4f}")
+found = am.analysis.mean_interval(differences)
+print(f"EKF less dead reckoning: {1000.0 * found.low:.0f} to {1000.0 * found.high:.0f} mm (95 %)")
+print(f"p of no difference: {found.p:.1g}")
 
 off = kept["estimates.ekf.pose"][-1] - true
 off[:, 2] = am.wrap_angle(off[:, 2])

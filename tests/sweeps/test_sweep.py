@@ -103,7 +103,14 @@ def test_a_study_is_a_dict_of_arrays_and_a_frame(tmp_path: Path) -> None:
     assert study["replica"].tolist() == [0, 1, 2, 0, 1, 2]
     assert study.axes == [TRACK]
     assert study.metrics == ["final_error", "length"]
-    assert study.about["metrics"]["length"] == {"unit": "m", "better": "lower", "robot": ""}
+    assert study.about["metrics"]["length"] == {
+        "unit": "m",
+        "better": "lower",
+        "robot": "",
+        "estimator": "",
+        "measure": "path_length",
+    }
+    assert study.about["metrics"]["final_error"]["estimator"] == "dead_reckoning"
     pandas = pytest.importorskip("pandas")
     frame = study.to_pandas()
     assert isinstance(frame, pandas.DataFrame)
