@@ -91,8 +91,8 @@ def mean_interval(samples: npt.ArrayLike, confidence: float = 0.95) -> Interval:
 
 def _skewness(samples: npt.NDArray[np.float64], mean: float, spread: float) -> float:
     """The skewness of samples, as their own third moment gives it."""
-    cubes = ((samples - mean) / spread) ** 3
-    return float(np.mean(cubes)) * (len(samples) / (len(samples) - 1)) ** 1.5
+    third = float(np.mean(((samples - mean) / spread) ** 3))
+    return third * math.sqrt(len(samples) / (len(samples) - 1)) ** 3
 
 
 def _corrected(score: float, bend: float) -> float:

@@ -16,9 +16,9 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.whole_files import write_text
-from amorsim.render.words import rounded
+from amorsim.render.words import significant, with_interval
 
-__all__ = ["ABOUT", "Comparison", "Difference", "Summary", "metric_of_estimator"]
+__all__ = ["ABOUT", "Comparison", "Difference", "Summary", "metric_of_estimator", "p_in_words"]
 
 Array = npt.NDArray[np.float64]
 
@@ -123,14 +123,13 @@ class Difference:
             )
         if math.isnan(self.low):
             return (
-                f"nothing may be claimed of {both}: all {self.pairs} pairs differ by {rounded(abs(self.mean), 0.0)}"
+                f"nothing may be claimed of {both}: all {self.pairs} pairs differ by {significant(abs(self.mean))}"
                 f"{unit}, so nothing shows how pairs scatter, and they are too few for a test of signs"
             )
-        half = 0.5 * (self.high - self.low)
-        mean, low, high = (rounded(value, half) for value in (abs(self.mean), self.low, self.high))
+        mean, low, high = with_interval(self.mean, self.low, self.high)
         figures = (
-            f"{mean}{unit} on the mean (95 % interval of the difference {low} to {high}{unit}, "
-            f"{_p(self.p_corrected)}, d = {self.effect:.2f}, {self.pairs} pairs)"
+            f"{mean.lstrip('-')}{unit} on the mean (95 % interval of the difference {low} to {high}{unit}, "
+            f"p {p_in_words(self.p_corrected)}, d = {self.effect:.2f}, {self.pairs} pairs)"
         )
         if not self.is_significant:
             return f"no difference between {both} may be claimed; they differ by {figures}{remark}"
@@ -144,8 +143,9 @@ def metric_of_estimator(metric: str, estimator: str) -> str:
     return f"{metric} of {estimator}" if estimator and estimator not in metric else metric
 
 
-def _p(value: float) -> str:
-    return "p < 0.001" if value < 0.001 else f"p = {value:.2g}"
+def p_in_words(value: float) -> str:
+    """A p-value after the letter: ``= 0.013``, ``< 0.001``."""
+    return "< 0.001" if value < 0.001 else f"= {value:.2g}"
 
 
 @attrs.frozen(kw_only=True, eq=False)

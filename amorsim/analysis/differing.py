@@ -18,10 +18,10 @@ _MOST = 5
 def differing_parts(one: Study, other: Study) -> str:
     """A clause about what differs between two studies whose values are identical; empty if a scenario is not there."""
     try:
-        tables = [resolved(load(str(study.about["scenario"]))) for study in (one, other)]
+        first, second = (resolved(load(str(study.about["scenario"]))) for study in (one, other))
     except (AmorsimError, KeyError):
         return ""
-    paths = list(_paths(*tables))
+    paths = list(_paths(first, second))
     if not paths:
         return "their scenarios do not differ"
     shown = ", ".join(paths[:_MOST]) + (f" and {len(paths) - _MOST} more" if len(paths) > _MOST else "")

@@ -14,7 +14,7 @@ from amorsim.cli.options import Changes, RobotName, Seed, Studied
 from amorsim.cli.study import check_out, claim_folder, read_study, table
 from amorsim.core.errors import AmorsimError
 from amorsim.core.whole_files import write_text
-from amorsim.render.words import rounded
+from amorsim.render.words import with_interval
 
 if TYPE_CHECKING:
     from amorsim.algorithms.intervals import Interval
@@ -65,7 +65,7 @@ def command(
         raise AmorsimError("--element is for --what range: a gyro and a compass have one value")
     read = read_study(scenario, changes, seed)
     title, rows = _measure(read, what, robot, sensor, element, runs)
-    cells = [[name, unit, *(rounded(end, found.half_width) for end in found[:3])] for name, unit, found in rows]
+    cells = [[name, unit, *with_interval(*found[:3])] for name, unit, found in rows]
     say(f"{title}; {runs} runs")
     say(table(["", "unit", "value", "95 % from", "to"], cells))
     folder = claim_folder(out, read, what.value)

@@ -10,7 +10,7 @@ import typer
 
 from amorsim.cli.console import compile_once, complain, say
 from amorsim.cli.progress import study_progress
-from amorsim.render.words import rounded, significant
+from amorsim.render.words import rounded, significant, with_interval
 
 if TYPE_CHECKING:
     from amorsim.analysis.differences import Comparison
@@ -144,28 +144,28 @@ def _simulated(several: Several, jobs: int, out: Path | None) -> list[Study]:
 
 
 def _report(found: Comparison) -> None:
-    from amorsim.analysis.differences import metric_of_estimator
+    from amorsim.analysis.differences import metric_of_estimator, p_in_words
     from amorsim.cli.study import table
 
     head = ["metric", "system", "mean", "95 % from", "to", "median", "values"]
     rows = []
     for system in found.summaries:
-        half = 0.5 * (system.high - system.low)
-        figures = (system.mean, system.low, system.high, system.median)
+        figures = with_interval(system.mean, system.low, system.high)
+        median = rounded(system.median, 0.5 * (system.high - system.low))
         what = metric_of_estimator(system.metric, system.estimator) + (f" [{system.unit}]" if system.unit else "")
-        rows.append([what, system.label, *(rounded(value, half) for value in figures), str(system.count)])
+        rows.append([what, system.label, *figures, median, str(system.count)])
     say(table(head, rows))
     head = ["difference", "of", "mean", "95 % from", "to", "unpaired from", "to", "p (Holm)", "d", "gain of pairing"]
     rows = []
     for each in found.differences:
-        half = 0.5 * (each.high - each.low)
-        figures = (each.mean, each.low, each.high, each.unpaired_low, each.unpaired_high)
+        _, *unpaired = with_interval(each.mean, each.unpaired_low, each.unpaired_high)
         rows.append(
             [
                 f"{each.second} - {each.first}",
                 metric_of_estimator(each.metric, each.estimator),
-                *(rounded(value, half) for value in figures),
-                f"{each.p_corrected:.4f}",
+                *with_interval(each.mean, each.low, each.high),
+                *unpaired,
+                p_in_words(each.p_corrected).removeprefix("= "),
                 f"{each.effect:.2f}",
                 significant(each.gain, 2),
             ]

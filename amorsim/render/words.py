@@ -17,6 +17,7 @@ __all__ = [
     "rounded",
     "shortened",
     "significant",
+    "with_interval",
 ]
 
 NOTHING = 1e-12
@@ -57,7 +58,7 @@ def significant(value: float, digits: int = 4) -> str:
     if abs(value) < NOTHING or math.isinf(value):
         return f"{value:g}" if math.isinf(value) else "0"
     places = max(0, digits - 1 - math.floor(math.log10(abs(value))))
-    return f"{value:.{places}f}" if places <= 9 else f"{value:.{digits - 1}e}"
+    return f"{value:.{places}f}" if places <= 9 and abs(value) < 1e7 else f"{value:.{digits - 1}e}"
 
 
 def rounded(value: float, half_width: float) -> str:
@@ -67,10 +68,23 @@ def rounded(value: float, half_width: float) -> str:
     """
     if not (math.isfinite(value) and NOTHING < half_width < math.inf):
         return significant(value)
-    places = max(0, 1 - math.floor(math.log10(half_width)))
-    if places > 9:
-        return significant(value)
-    return f"{round(value, places) + 0.0:.{places}f}"  # 0.0 takes the sign from a zero
+    places = 1 - math.floor(math.log10(half_width))
+    shown = round(value, places) + 0.0  # 0.0 takes the sign from a zero
+    if places <= 6 and abs(shown) < 1e7:
+        return f"{shown:.{max(0, places)}f}"
+    digits = max(0, places + math.floor(math.log10(abs(shown)))) if shown else 0
+    return f"{shown:.{digits}e}" if shown else "0"
+
+
+def with_interval(value: float, low: float, high: float) -> tuple[str, str, str]:
+    """A value and the ends of its interval, each as `rounded`; no end that is not 0 is rounded to it."""
+    half = 0.5 * (high - low)
+    return rounded(value, half), _end(low, half), _end(high, half)
+
+
+def _end(value: float, half_width: float) -> str:
+    text = rounded(value, half_width)
+    return significant(value, 1) if math.isfinite(value) and float(text) == 0.0 else text
 
 
 def shortened(text: str, font: Font, width: float) -> str:

@@ -5,15 +5,18 @@ from __future__ import annotations
 import base64
 import html
 import io
+import re
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from PIL import Image
 
+from amorsim.render.words import with_interval
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Page"]
+__all__ = ["Page", "interval_cell"]
 
 _STYLE = """
 :root { color-scheme: light dark; --line: #d1d5db; --faint: #6b7280; --ground: #ffffff; --ink: #111827; }
@@ -24,6 +27,7 @@ h1 { font-size: 1.5rem; margin-bottom: 0.2rem; }
 h2 { font-size: 1.15rem; margin-top: 2rem; border-bottom: 1px solid var(--line); padding-bottom: 0.2rem; }
 p.about, figcaption { color: var(--faint); }
 .wide { overflow-x: auto; }
+.whole { white-space: nowrap; }
 table { border-collapse: collapse; font-size: 0.9rem; }
 th, td { padding: 0.25rem 0.7rem; border-bottom: 1px solid var(--line); text-align: right; vertical-align: top; }
 th:first-child, td:first-child { text-align: left; }
@@ -32,6 +36,8 @@ figure { margin: 1rem 0; }
 img { max-width: 100%; height: auto; background: #ffffff; border-radius: 4px; }
 pre { background: rgba(127, 127, 127, 0.12); padding: 0.7rem; border-radius: 4px; overflow-x: auto; font-size: 0.8rem; }
 code { font-size: 0.9em; }
+@media (max-width: 40rem) { table { font-size: 0.75rem; } th, td { padding: 0.2rem 0.3rem; } }
+@media print { .wide { overflow: visible; } table { font-size: 0.7rem; } }
 """.strip()
 _POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'"
 _WIDEST = 1400  # [pixels]
@@ -42,7 +48,7 @@ class Page:
 
     def __init__(self, title: str, about: str = "") -> None:
         self._title = title
-        self._parts = [f"<h1>{html.escape(title)}</h1>"]
+        self._parts = [f"<h1>{_words(title)}</h1>"]
         if about:
             self._parts.append(f'<p class="about">{html.escape(about)}</p>')
 
@@ -52,20 +58,19 @@ class Page:
 
     def paragraph(self, text: str) -> None:
         """Add a paragraph."""
-        self._parts.append(f"<p>{html.escape(text)}</p>")
+        self._parts.append(f"<p>{_words(text)}</p>")
 
     def facts(self, facts: Iterable[tuple[str, object]]) -> None:
         """Add a table of names and values."""
         rows = "".join(
-            f'<tr><th scope="row">{html.escape(name)}</th><td>{html.escape(str(value))}</td></tr>'
-            for name, value in facts
+            f'<tr><th scope="row">{_words(name)}</th><td>{html.escape(str(value))}</td></tr>' for name, value in facts
         )
         self._parts.append(f'<div class="wide"><table class="facts"><tbody>{rows}</tbody></table></div>')
 
     def table(self, head: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
         """Add a table."""
-        top = "".join(f'<th scope="col">{html.escape(cell)}</th>' for cell in head)
-        body = "".join(f"<tr>{''.join(f'<td>{html.escape(cell)}</td>' for cell in row)}</tr>" for row in rows)
+        top = "".join(f'<th scope="col">{_words(cell)}</th>' for cell in head)
+        body = "".join(f"<tr>{''.join(f'<td>{_words(cell)}</td>' for cell in row)}</tr>" for row in rows)
         self._parts.append(f'<div class="wide"><table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table></div>')
 
     def picture(self, data: bytes, caption: str) -> None:
@@ -106,3 +111,15 @@ class Page:
             f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">\n<style>\n{_STYLE}\n</style>\n</head>\n'
             "<body>\n<main>\n" + "\n".join(self._parts) + "\n</main>\n</body>\n</html>\n"
         )
+
+
+def _words(text: str) -> str:
+    """A text in HTML: a long word, such as the path of an axis, may be broken after a dot, and an interval may not."""
+    breakable = re.sub(r"\S{25,}", lambda word: re.sub(r"([._/](?!$))", r"\1<wbr>", word[0]), html.escape(text))
+    return re.sub(r"\[\S+, \S+\]", r'<span class="whole">\g<0></span>', breakable)
+
+
+def interval_cell(value: float, low: float, high: float) -> str:
+    """A value with its interval, rounded to what that can tell: ``0.030 [0.025, 0.036]``."""
+    mean, first, last = with_interval(value, low, high)
+    return f"{mean} [{first}, {last}]" if low < high else mean

@@ -8,11 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from amorsim.algorithms.intervals import mean_interval
 from amorsim.analysis.files import RunFiles
 from amorsim.analysis.measuring import episode_of
 from amorsim.contracts import Metric
 from amorsim.metrics import Collisions, HeadingError, Nees, PathLength, PositionError, Turning
-from amorsim.reports.page import Page
+from amorsim.render.words import rounded
+from amorsim.reports.page import Page, interval_cell
 
 __all__ = ["run_page"]
 
@@ -26,6 +28,7 @@ _METRICS: tuple[tuple[str, Metric], ...] = (
     ("turning", Turning()),
     ("collisions", Collisions()),
 )
+_SHOWN = {"rad": ("°", math.degrees(1.0))}  # as in the plots
 _MOST_ROBOTS, _MOST_EVENTS, _MOST_SENSORS = 5, 40, 4
 _MOST_LETTERS = 200_000  # of the scenario
 
@@ -47,7 +50,8 @@ def run_page(folder: Path) -> Page:
     for robot in files.robots[:_MOST_ROBOTS]:
         page.paragraph(f"{robot}:")
         page.table(
-            ["", "mean over replicas", "least", "most"] if replicas > 1 else ["", "value"], _figures(files, robot)
+            ["", "mean over replicas [95 % interval]", "least", "most"] if replicas > 1 else ["", "value"],
+            _figures(files, robot),
         )
     if len(files.robots) > _MOST_ROBOTS:
         page.paragraph(f"and {len(files.robots) - _MOST_ROBOTS} more robots")
@@ -69,11 +73,15 @@ def _figures(files: RunFiles, robot: str) -> list[list[str]]:
     rows = []
     for name, metric in _METRICS:
         values = metric.measure(episode_of(files, metric.needs(), robot=robot))
-        values = values[~np.isnan(values)]
-        unit = f" {metric.unit}" if metric.unit else ""
-        cells = [float(np.mean(values)), float(np.min(values)), float(np.max(values))] if len(values) else []
-        shown = [f"{value:.6g}{unit}" for value in cells] or ["-"] * 3
-        rows.append([name, *(shown if len(files.replicas) > 1 else shown[:1])])
+        unit, scale = _SHOWN.get(metric.unit, (metric.unit, 1.0))
+        values = scale * values[~np.isnan(values)]
+        if not len(values):
+            rows.append([name, *["-"] * (3 if len(files.replicas) > 1 else 1)])
+            continue
+        mean, low, high, _ = mean_interval(values)
+        ends = [float(np.min(values)), float(np.max(values))] if len(files.replicas) > 1 else []
+        cells = [interval_cell(mean, low, high), *(rounded(end, 0.5 * (high - low)) for end in ends)]
+        rows.append([name, *(f"{cell} {unit}".rstrip() for cell in cells)])
     return rows
 
 

@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 
 from amorsim.algorithms.intervals import mean_interval
+from amorsim.analysis.differences import metric_of_estimator, p_in_words
 from amorsim.core.errors import StudyError
-from amorsim.reports.page import Page
+from amorsim.render.words import rounded, significant
+from amorsim.reports.page import Page, interval_cell
 from amorsim.sweeps.table import Study, counted, read_study
 
 __all__ = ["comparison_page", "study_page"]
@@ -31,8 +33,8 @@ def study_page(folder: Path) -> Page:
     )
     page.heading("Figures")
     page.paragraph(
-        "Means over replicas and seeds, with their 95 % intervals (Student's t). Where not all have a value, it says "
-        "how many do."
+        "Means over replicas and seeds, with their 95 % intervals in brackets. Where not all have a value, it says how "
+        "many do."
     )
     page.table(["point", *study.axes, *(_named(study, name) for name in study.metrics)], _points(study))
     if len(points) > _MOST_POINTS:
@@ -79,11 +81,7 @@ def _points(study: Study) -> list[list[str]]:
         for metric in study.metrics:
             values = study[metric][begin : begin + count]
             there = values[~np.isnan(values)]
-            if len(there) > 1:
-                interval = mean_interval(there)
-                cells.append(counted(f"{interval.value:.4g} ± {interval.half_width:.2g}", values))
-            else:
-                cells.append(counted(f"{there[0]:.4g}", values) if len(there) else "-")
+            cells.append(counted(interval_cell(*mean_interval(there)[:3]), values) if len(there) else "-")
         rows.append(cells)
     return rows
 
@@ -111,7 +109,12 @@ def comparison_page(folder: Path) -> Page:
     file = folder / "comparison.json"
     try:
         about = json.loads(file.read_text(encoding="utf-8"))
-        page = Page("Comparison of " + ", ".join(about["labels"]), "the same seeds, replicas and noise for all")
+        labels = ", ".join(about["labels"])
+        axis = about.get("axis", "")
+        page = Page(
+            f"Comparison along {axis}: {labels}" if axis else f"Comparison of {labels}",
+            "the same seeds, replicas and noise for all",
+        )
         page.heading("What may be claimed")
         for each in about["differences"]:
             page.paragraph(each["claim"])
@@ -119,45 +122,52 @@ def comparison_page(folder: Path) -> Page:
             page.picture((folder / "comparison.png").read_bytes(), "paired differences, with their 95 % intervals")
         page.heading("Systems")
         page.table(
-            ["metric", "system", "mean", "95 % from", "to", "median", "values", "without"],
-            [
-                [
-                    each["metric"],
-                    each["label"],
-                    *(f"{each[key]:.5g}" for key in ("mean", "low", "high", "median")),
-                    str(each["count"]),
-                    str(each["missing"]),
-                ]
-                for each in about["summaries"]
-            ],
+            ["metric", axis or "system", "mean [95 % interval]", "median", "values", "without"],
+            [_summary_cells(each) for each in about["summaries"]],
         )
         page.heading("Differences")
-        keys = ("mean", "low", "high", "unpaired_low", "unpaired_high", "p", "p_corrected", "effect", "gain")
-        names = ("mean", "95 % from", "to", "unpaired from", "to", "p", "p (Holm)", "d", "gain of pairing")
         page.table(
-            ["metric", "difference", *names, "pairs"],
-            [
-                [
-                    each["metric"],
-                    f"{each['second']} - {each['first']}",
-                    *(f"{each[key]:.4g}" for key in keys),
-                    str(each["pairs"]),
-                ]
-                for each in about["differences"]
-            ],
+            ["metric", "difference", "mean [95 % interval]", "unpaired", "p (Holm)", "d", "gain of pairing", "pairs"],
+            [_difference_cells(each) for each in about["differences"]],
         )
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise StudyError(f"{file}: cannot be read ({type(error).__name__}: {error})") from None
     page.paragraph(
-        "Differences are of pairs that met the same noise. Intervals are by the bootstrap (BCa), p-values by permuting "
-        "the signs of the differences, corrected for their number (Holm). The gain is the variance of the difference "
-        "of independent values over that of the pairs: pairs need that many times fewer replicas."
+        "Differences are of pairs that met the same noise. Intervals and p are those of the mean difference: Student's "
+        "t, from ten pairs on also corrected for skewness. Both are corrected for the number of differences (Holm), so "
+        "that an interval excludes 0 exactly where a difference may be claimed. The gain is the variance of the "
+        "difference of independent values over that of the pairs: pairs need that many times fewer replicas."
     )
     try:
         _origin(page, about.get("origin", {}))
     except (KeyError, TypeError, AttributeError) as error:
         raise StudyError(f"{file}: cannot be read ({type(error).__name__}: {error})") from None
     return page
+
+
+def _summary_cells(each: dict[str, Any]) -> list[str]:
+    median = rounded(each["median"], 0.5 * (each["high"] - each["low"]))
+    figures = interval_cell(each["mean"], each["low"], each["high"])
+    return [_metric(each), each["label"], figures, median, str(each["count"]), str(each["missing"])]
+
+
+def _difference_cells(each: dict[str, Any]) -> list[str]:
+    unpaired = interval_cell(each["mean"], each["unpaired_low"], each["unpaired_high"])
+    return [
+        _metric(each),
+        f"{each['second']} - {each['first']}",
+        interval_cell(each["mean"], each["low"], each["high"]),
+        unpaired.partition(" ")[2],
+        p_in_words(each["p_corrected"]).removeprefix("= "),
+        f"{each['effect']:.2f}",
+        significant(each["gain"], 2),
+        str(each["pairs"]),
+    ]
+
+
+def _metric(each: dict[str, Any]) -> str:
+    unit = f" [{each['unit']}]" if each.get("unit") else ""
+    return metric_of_estimator(each["metric"], each.get("estimator", "")) + unit
 
 
 def _origin(page: Page, origin: dict[str, Any]) -> None:
