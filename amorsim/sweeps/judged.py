@@ -71,7 +71,7 @@ def metrics_of_shared(
     Raises
     ------
     StudyError
-        If a scenario has no such robot, or not all have such an estimator.
+        If a scenario has no such robot, not all have such an estimator, or none has what a metric needs.
     """
     robots = [_robot(name, scenario, robot) for name, scenario in scenarios.items()]
     shared = [name for name in robots[0].estimators if all(name in each.estimators for each in robots)]
@@ -87,9 +87,10 @@ def metrics_of_shared(
         base = {"use": use} | ({"robot": robot} if robot else {})
         field = _estimator_field(registry.get("metric", use)) if use in registry.names("metric") else ""
         judged = list(estimators or shared) if field else []
-        if not estimators:
-            able = [name for name in judged if _can_judge(registry.get("metric", use), field, name, scenarios)]
-            judged = able or judged  # where none is, the study says what is missing
+        if judged and not estimators:
+            judged = [name for name in judged if _can_judge(registry.get("metric", use), field, name, scenarios)]
+            if not judged:
+                raise StudyError(f"{use}: none of the estimators has what this metric needs: {', '.join(shared)}")
         found |= {f"{use} of {name}": base | {field: name} for name in judged} or {use: base}
     return found
 

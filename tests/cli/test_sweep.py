@@ -102,12 +102,56 @@ def test_scenarios_are_simulated_and_compared(amorsim: Command, file: Path, tmp_
     assert "--seeds: expected whole numbers" in wrong.err
 
 
+OF_FOUR = ("--replicas", 2, "--seeds", "1,2", "--duration", 0.5)
+
+
 @pytest.fixture
 def pair(file: Path, tmp_path: Path) -> tuple[str, str]:
     """Two scenarios, relative to the present folder."""
     small = tmp_path / "s" / "small.toml"
     (tmp_path / "s" / "other.toml").write_text(small.read_text().replace("scale = 1.0", "scale = 1.1"))
     return "s/small.toml", "s/other.toml"
+
+
+ESTIMATORS = """
+[robots.estimators]
+wheels = { use = "dead_reckoning" }
+filter = { use = "ekf", wheel_variance = 1e-4 }
+"""
+
+
+def test_the_estimators_of_one_scenario_are_compared(amorsim: Command, pair: tuple[str, str], tmp_path: Path) -> None:
+    for name in pair:
+        path = tmp_path / name
+        path.write_text(path.read_text().replace("\n[robots.errors", f"{ESTIMATORS}\n[robots.errors"))
+    two = ("--estimator", "wheels", "--estimator", "filter")
+    result = amorsim("compare", pair[0], *OF_FOUR, *two, "--out", "c")
+    assert result.status == 0, result.err
+    assert "filter - wheels  position_error " in result.out
+    about = json.loads((tmp_path / "c" / "comparison.json").read_text())
+    assert about["origin"]["command"].endswith("--metric position_error --estimator wheels --estimator filter")
+    # The study that this left is compared in the same way.
+    again = amorsim("compare", "c/small", "--out", "d")
+    assert again.out.partition("\n\nd/")[0] in result.out
+    result = amorsim("compare", *pair, *OF_FOUR, "--metric", "nis", "--out", "e")
+    assert result.err.startswith(
+        "nis: none of the estimators has what this metric needs: dead_reckoning, wheels, filter"
+    )
+    wrong = amorsim("compare", *pair, *OF_FOUR, "--estimator", "fliter", "--out", "f")
+    assert wrong.err.startswith("no estimator 'fliter' that all scenarios have; known: dead_reckoning, wheels, filter.")
+
+
+def test_a_metric_is_taken_of_the_estimators_that_have_what_it_needs(amorsim: Command) -> None:
+    result = amorsim("compare", "landmarks", "landmarks", *OF_FOUR, "--metric", "nis", "--out", "c")
+    assert "nis of ekf: landmarks-1 and landmarks-2 are identical in all 4 pairs; their scenarios do not" in result.out
+    assert "nis of wheels" not in result.out
+
+
+def test_of_several_robots_one_is_named(amorsim: Command) -> None:
+    result = amorsim("compare", "convoy", "convoy", "--out", "c")
+    assert result.status == 2
+    assert "convoy-1: there are several robots; name one with --robot: " in result.err
+    assert "no robot 'nobody'; known: " in amorsim("compare", "convoy", "--robot", "nobody", "--out", "c").err
 
 
 class Interrupted:
@@ -123,9 +167,6 @@ class Interrupted:
             raise KeyboardInterrupt
         self.done += 1
         return self._run(*arguments)
-
-
-OF_FOUR = ("--replicas", 2, "--seeds", "1,2", "--duration", 0.5)
 
 
 @pytest.mark.long
