@@ -8,17 +8,18 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Sequence
 
 __all__ = ["end_with_children", "python_command"]
 
 
-def python_command(code: str) -> list[str]:
-    """The command that runs `code` in another process, which finds modules where this one does.
+def python_command(code: str, path: Sequence[str] | None = None) -> list[str]:
+    """The command that runs `code` in another process, which finds modules where this one does, or in `path`.
 
     ``python -m`` would look into the present folder first, where a user's ``random.py`` may lie.
     """
     script = f"import json, sys; sys.path[:] = json.loads(sys.argv[1]); {code}"
-    return [sys.executable, "-P", "-c", script, json.dumps(sys.path)]
+    return [sys.executable, "-P", "-c", script, json.dumps(sys.path if path is None else list(path))]
 
 
 def end_with_children(process: subprocess.Popen[bytes]) -> None:

@@ -1,180 +1,133 @@
-"""What a submission can reach, on Linux with Landlock: Python, its own files, and a folder that is thrown away.
+"""The fence around a submission: bubblewrap, within which there are Python, the submission's files and nothing else.
 
-It can read neither the rubric with the held-out seeds nor other submissions, change no file, signal no process but
-those that it started, and open no connection. What the system does not offer is left out: this is no sandbox.
+It has namespaces of its own: it sees no process, network or user of the system, and no file but those bound here, which
+it cannot change. What it writes is in memory, and gone when it ends.
 """
 
 from __future__ import annotations
 
-import ctypes
-import functools
-import os
+import importlib.metadata
+import importlib.util
 import shutil
+import subprocess
 import sys
-import tempfile
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+import attrs
+
+from amorsim.core.errors import StudyError
+from amorsim.grading.handed_in import is_within
 from amorsim.kernels.cache_folder import cache_folder
+from amorsim.plugins.hooks import GROUP
 
-__all__ = ["Fence", "fence_in", "is_offered"]
+__all__ = ["HOME", "TEMPORARY", "Fence", "find_fence"]
 
-# Of landlock(7): system calls, flags, and the rights of files that the first version knows.
-_CREATE, _ADD, _RESTRICT = 444, 445, 446
-_VERSION, _BENEATH = 1, 1
-_EXECUTE, _WRITE, _READ, _LIST = 1 << 0, 1 << 1, 1 << 2, 1 << 3
-_TRUNCATE, _TRUNCATE_SINCE = 1 << 14, 3
-_ALL = (1 << 13) - 1
-_OF_FILES = _EXECUTE | _WRITE | _READ | _TRUNCATE
-_TCP, _TCP_SINCE = 0b11, 4  # to bind and to connect
-_SCOPES, _SCOPES_SINCE = 0b11, 6  # abstract sockets, signals
-_NO_NEW_RIGHTS = 38  # of prctl(2)
-_MEMORY = Path("/dev/shm")  # where a thousand links are made in no time
-_SYSTEM = ("/usr", "/bin", "/lib", "/lib64", "/etc", "/opt", "/nix/store", "/proc", "/sys")
+HOME = "/submission"
+"""Where a submission starts, and its files are."""
+TEMPORARY = "/tmp"
 
-
-class _Ruleset(ctypes.Structure):
-    _fields_ = (("files", ctypes.c_uint64), ("net", ctypes.c_uint64), ("scoped", ctypes.c_uint64))
+_ROOM = 256 * 2**20  # [bytes] of each folder in memory
+_USER = "1000"  # within the fence
+_SYSTEM = ("/usr", "/nix/store", "/gnu/store")
+_LINKED = ("/bin", "/sbin", "/lib", "/lib32", "/lib64")  # into /usr, or folders of their own
+_LOADER = ("/etc/ld.so.cache", "/etc/alternatives")
+_PACKAGES = ("site-packages", "dist-packages")
 
 
-class _Beneath(ctypes.Structure):
-    _pack_ = 1
-    _fields_ = (("allowed", ctypes.c_uint64), ("folder", ctypes.c_int32))
-
-
-@functools.cache
-def is_offered() -> int:
-    """The version of Landlock that the system has; 0 without it."""
-    if sys.platform != "linux":
-        return 0
-    return max(0, int(_call(_CREATE, None, 0, _VERSION)))
-
-
+@attrs.frozen
 class Fence:
-    """The surroundings of one submission: a folder of its own, removed by `close`, and what else it may read.
+    """A fence that the system allows: bubblewrap's program and version, and what can be read within."""
 
-    Where Landlock is not offered, a submission starts in its file's folder and reads what its user may.
+    program: str
+    version: str
+    visible: tuple[Path, ...]
 
-    Parameters
-    ----------
-    path
-        The submission's file; the files beside it are readable too.
-    hidden
-        Files and folders that it must not read.
+    def command(self, inner: Sequence[str], *options: str) -> list[str]:
+        """The command that runs another one within the fence."""
+        system: list[str] = []
+        for link in map(Path, _LINKED):
+            if link.is_symlink():
+                system += ["--symlink", str(link.readlink()), str(link)]
+            elif link.is_dir():
+                system += ["--ro-bind", str(link), str(link)]
+        for each in (*_LOADER, *map(str, self.visible)):
+            system += ["--ro-bind-try", each, each]
+        room: list[str] = []
+        for folder in (TEMPORARY, HOME, "/dev/shm"):
+            room += ["--size", str(_ROOM), "--tmpfs", folder]
+        return [
+            *(self.program, "--unshare-all", "--unshare-user", "--disable-userns", "--uid", _USER, "--gid", _USER),
+            *("--die-with-parent", "--new-session", "--clearenv", "--cap-drop", "ALL"),
+            *system,
+            *("--proc", "/proc", "--dev", "/dev"),
+            *room,
+            # Root would own the settings in /proc, and all could fill memory through the others.
+            *("--remount-ro", "/proc", "--remount-ro", "/dev", "--remount-ro", "/"),
+            *("--chdir", HOME),
+            *options,
+            "--",
+            *inner,
+        ]
 
-    Attributes
-    ----------
-    folder
-        Where it starts.
-    settings
-        Environment variables for its process.
+    def path(self) -> list[str]:
+        """Where Python finds modules within the fence."""
+        return [each for each in sys.path if each and any(self._leads_to(Path(each), seen) for seen in self.visible)]
+
+    @staticmethod
+    def _leads_to(path: Path, seen: Path) -> bool:
+        """Whether a folder of modules can be seen, or its packages `seen` can."""
+        return is_within(path, seen) or seen.parent == path
+
+
+def find_fence(private: Iterable[Path]) -> Fence:
+    """A fence that shows nothing of what is private.
+
+    Raises
+    ------
+    StudyError
+        If bubblewrap is not installed, or the system does not allow it, or private files lie among Python's.
     """
-
-    def __init__(self, path: Path, hidden: Collection[Path] = ()) -> None:
-        self.folder = path.parent
-        self.settings: dict[str, str] = {}
-        self._own: list[Path] = []  # what it may write into
-        self._hidden = [each.resolve() for each in hidden]
-        if not is_offered():
-            return
-        self.folder, rest = _new_folder(), _new_folder()
-        self._own = [self.folder, rest]
-        beside = sorted(path.parent.resolve().iterdir())
-        self._beside = [each for each in beside if not self._shows_hidden(each)]
-        for each in self._beside:
-            (self.folder / each.name).symlink_to(each)
-        self.settings = {"TMPDIR": str(rest)}
-        if (compiled := cache_folder()) is not None:
-            # numba wants to write beside what it reads; what it writes is thrown away.
-            kernels = _new_folder(_MEMORY if os.access(_MEMORY, os.W_OK) else None)
-            self._own.append(kernels)
-            _mirror(compiled, kernels / "amorsim" / compiled.name)
-            self.settings["NUMBA_CACHE_DIR"] = str(kernels)
-            self._beside.append(compiled)
-        self._listed = [path.parent.resolve()]
-
-    def said(self) -> dict[str, list[str]]:
-        """What `fence_in` takes, as plain values; nothing where it can do nothing."""
-        if not self._own:
-            return {}
-        package = Path(__file__).resolve().parents[1]
-        prefixes = (sys.prefix, sys.base_prefix, sys.exec_prefix, *sys.path)
-        python = {Path(each).resolve() for each in (*prefixes, *_SYSTEM) if each and Path(each).exists()}
-        readable = [package, *(each for each in sorted(python) if not self._shows_hidden(each)), *self._beside]
-        return {
-            "readable": [str(each) for each in readable],
-            "listed": [str(each) for each in self._listed],
-            "writable": [str(each) for each in self._own],
-        }
-
-    def close(self) -> None:
-        """Remove its folders."""
-        for each in self._own:
-            shutil.rmtree(each, ignore_errors=True)
-
-    def _shows_hidden(self, path: Path) -> bool:
-        """Whether what is hidden lies at or beneath a path."""
-        at = path.resolve()
-        return any(each == at or at in each.parents for each in self._hidden)
+    program = shutil.which("bwrap")
+    if sys.platform != "linux":
+        raise _no_fence("bubblewrap, which fences submissions in, is for Linux alone")
+    if program is None:
+        raise _no_fence("there is no bubblewrap to fence submissions in; install it (Debian: apt install bubblewrap)")
+    visible = _visible()
+    for each in private:
+        for seen in visible:
+            if is_within(each.resolve(), seen):
+                raise StudyError(f"{each}: lies in {seen}, which submissions can read; move it elsewhere")
+    fence = Fence(program, _said([program, "--version"]), visible)
+    _said(fence.command([sys.executable, "-c", ""]))
+    return fence
 
 
-def _new_folder(parent: Path | None = None) -> Path:
-    return Path(tempfile.mkdtemp(prefix="amorsim-graded-", dir=parent))
+def _no_fence(problem: str) -> StudyError:
+    return StudyError(f"{problem}. With --no-fence, a submission can read and change what you can")
 
 
-def _mirror(folder: Path, made: Path) -> None:
-    """Make a folder with links to the files of another one, and the same for all folders in it."""
-    made.mkdir(parents=True)
-    for each in os.scandir(folder):
-        if each.is_dir():
-            _mirror(folder / each.name, made / each.name)
-        else:
-            os.symlink(each.path, f"{made}/{each.name}")  # noqa: PTH211 - there are a thousand
+def _said(command: Sequence[str]) -> str:
+    """What a command prints."""
+    ended = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, env={}, check=False)
+    if ended.returncode:
+        problem = (ended.stderr.strip().splitlines() or ["no message"])[-1]
+        raise _no_fence(f"bubblewrap cannot fence submissions in here ({problem}); it must be 0.8 or later")
+    return ended.stdout.strip()
 
 
-def fence_in(readable: Iterable[str] = (), listed: Iterable[str] = (), writable: Iterable[str] = ()) -> None:
-    """Keep this process, and all that it starts, from everything else, for ever; nothing where that is not offered.
-
-    Parameters
-    ----------
-    readable
-        Files and folders that can be read, and executed.
-    listed
-        Folders whose names can be read.
-    writable
-        Folders in which anything can be done.
-    """
-    version, allowed = is_offered(), list(writable)
-    if not version or not allowed:
-        return
-    handled = _ALL | (_TRUNCATE if version >= _TRUNCATE_SINCE else 0)
-    rules = _Ruleset(handled, _TCP if version >= _TCP_SINCE else 0, _SCOPES if version >= _SCOPES_SINCE else 0)
-    size = 8 if version < _TCP_SINCE else 16 if version < _SCOPES_SINCE else 24
-    ruleset = int(_call(_CREATE, ctypes.byref(rules), size, 0))
-    if ruleset < 0:
-        return
-    for path, rights in _rights(readable, listed, allowed):
-        try:
-            place = os.open(path, os.O_PATH | os.O_CLOEXEC)
-        except OSError:  # it has gone
-            continue
-        rights &= handled if Path(path).is_dir() else handled & _OF_FILES
-        _call(_ADD, ruleset, _BENEATH, ctypes.byref(_Beneath(rights, place)), 0)
-        os.close(place)
-    ctypes.CDLL(None).prctl(_NO_NEW_RIGHTS, 1, 0, 0, 0)
-    _call(_RESTRICT, ruleset, 0)
-    os.close(ruleset)
-
-
-def _rights(readable: Iterable[str], listed: Iterable[str], writable: Iterable[str]) -> Iterator[tuple[str, int]]:
-    for path in readable:
-        yield path, _READ | _LIST | _EXECUTE
-    for path in listed:
-        yield path, _LIST
-    for path in writable:
-        yield path, _ALL | _TRUNCATE
-    yield "/dev", _READ | _WRITE | _LIST
-
-
-def _call(*arguments: object) -> int:
-    return int(ctypes.CDLL(None, use_errno=True).syscall(*arguments))
+def _visible() -> tuple[Path, ...]:
+    """The folders of the system, of Python, of installed packages, and of compiled kernels, none within another."""
+    found = [*_SYSTEM, sys.prefix, sys.base_prefix, sys.exec_prefix, sys.base_exec_prefix]
+    found += [each for each in sys.path if Path(each).name in _PACKAGES]
+    paths = [Path(each) for each in found]
+    points = importlib.metadata.entry_points(group=GROUP)
+    for name in sorted({GROUP, *(point.module.partition(".")[0] for point in points)}):  # installed as editable
+        spec = importlib.util.find_spec(name)
+        if spec is not None and spec.origin is not None:
+            origin = Path(spec.origin)
+            paths.append(origin.parent if spec.submodule_search_locations else origin)
+    if (kernels := cache_folder()) is not None:
+        paths.append(kernels)
+    there = list(dict.fromkeys(each for path in paths for each in (path.absolute(), path.resolve()) if path.exists()))
+    return tuple(each for each in there if not any(each != other and is_within(each, other) for other in there))

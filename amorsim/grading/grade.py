@@ -2,66 +2,40 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import math
+import functools
+import itertools
 import os
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import attrs
 import numpy as np
 
 from amorsim.controllers.user import UserController
 from amorsim.core.errors import AmorsimError, RunError, StudyError
+from amorsim.core.reading import is_file
+from amorsim.core.trouble import RAISED, error_in_words
 from amorsim.core.whole_files import write_text
-from amorsim.grading.guard import memory_hidden
+from amorsim.grading.fence import Fence, find_fence
+from amorsim.grading.handed_in import HandedIn, hand_in, leads_through_link
 from amorsim.grading.remote import Remote, SubmittedEstimator
-from amorsim.grading.rubric import Case, Rubric, read_rubric
-from amorsim.reports.page import Page
+from amorsim.grading.results import UNFENCED, Case, CaseGrade, Grade, page_of, table_of
+from amorsim.grading.rubric import Rubric, read_rubric
+from amorsim.grading.seeds import Seed, draw_seeds, read_seeds, write_seeds
+from amorsim.grading.text import as_line
 from amorsim.scenario.read import load
 from amorsim.scenario.spec import Scenario
 from amorsim.simulation.keeping import Keeper
 from amorsim.simulation.simulation import Simulation
 from amorsim.sweeps.chunk import episode_at, measure_episode
-from amorsim.sweeps.plan import Measured
 
 __all__ = ["CaseGrade", "Grade", "grade"]
 
+T = TypeVar("T")
 
-@attrs.frozen(kw_only=True)
-class CaseGrade:
-    """What a submission did in one case: values and points by criterion, or why it has none."""
-
-    case: Case
-    values: dict[str, float] = attrs.field(factory=dict)
-    points: dict[str, float] = attrs.field(factory=dict)
-    problem: str = ""
-
-    @property
-    def total(self) -> float:
-        """Its points in this case."""
-        return math.fsum(self.points.values())
-
-
-@attrs.frozen(kw_only=True)
-class Grade:
-    """What a submission earned: the mean of its cases."""
-
-    submission: Path
-    label: str
-    cases: tuple[CaseGrade, ...]
-
-    @property
-    def total(self) -> float:
-        """Its points."""
-        return math.fsum(case.total for case in self.cases) / len(self.cases)
-
-    def points_for(self, criterion: str) -> float:
-        """Its points for a criterion."""
-        return math.fsum(case.points.get(criterion, 0.0) for case in self.cases) / len(self.cases)
+_LONGEST_LABEL = 100  # characters
 
 
 def grade(
@@ -69,6 +43,8 @@ def grade(
     submissions: Sequence[str | os.PathLike[str]],
     out: str | os.PathLike[str],
     *,
+    fence: bool = True,
+    seeds: str | os.PathLike[str] | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> list[Grade]:
     """Grade controllers or estimators in files; write ``grades.csv`` for the lecturer and a page for each submission.
@@ -84,44 +60,129 @@ def grade(
     submissions
         The paths of Python files, each with the function or class that the rubric names.
     out
-        The folder of the results, made if it is not there.
+        The folder of the results, made if it is not there. ``seeds.toml`` in it repeats the grading.
+    fence
+        Whether submissions are fenced in by bubblewrap. Without it they can read and change what this process can.
+    seeds
+        The path of ``seeds.toml`` of an earlier grading, whose seeds are used again.
     progress
         Called with a line about each case.
 
     Raises
     ------
     StudyError
-        If the rubric is not right, or there is no such submission.
+        With all that is missing or wrong: in the rubric, the scenario, the submissions, the seeds, or the fence.
     RunError
         If a file cannot be written.
     """
-    read = read_rubric(rubric)
-    paths = [Path(path) for path in submissions]
-    for path in paths:
-        if path.is_dir():
-            raise StudyError(f"{path}: it is a folder; a submission is a file of Python")
-        if not path.is_file():
-            raise StudyError(f"{path}: there is no such file; a submission is a file of Python")
-    folder = Path(out)
+    paths, folder = [Path(path) for path in submissions], Path(out)
+    grading = _prepare(Path(rubric), paths, folder, fence, seeds)
+    read = grading.rubric
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise RunError(f"{folder}: cannot be written ({error.strerror or error})") from None
-    scenarios = {case: _scenario(read, case) for case in read.cases}
-    grades = []
-    secret = [Path(rubric), folder, *(Path(case.world) for case in read.cases if case.world)]
+    write_seeds(folder / "seeds.toml", grading.seeds)
+    grades: list[Grade] = []
     for path, label in zip(paths, _labels(paths), strict=True):
-        hidden = [*secret, *(each for each in paths if each != path)]
+        handed_in, problem = _handed_in(grading, path)
         cases = []
-        for case in read.cases:
-            with memory_hidden():
-                cases.append(_case(read, case, scenarios[case], path, hidden))
+        for case, scenario in grading.cases:
+            if handed_in is None:
+                cases.append(CaseGrade(case=case, problem=problem))
+            else:
+                cases.append(_case(grading, case, scenario, handed_in))
             if progress is not None:
                 progress(f"{label}, {case}: {cases[-1].problem or f'{cases[-1].total:.2f} points'}")
-        grades.append(Grade(submission=path, label=label, cases=tuple(cases)))
-        write_text(folder / f"{label}.html", _page(read, grades[-1]).text)
-        write_text(folder / "grades.csv", _table(read, grades))  # each time, so that Ctrl-C loses none
+        left_out = () if handed_in is None else handed_in.left_out
+        name = UNFENCED if grading.fence is None else grading.fence.version
+        grades.append(
+            Grade(submission=path, label=label, cases=tuple(cases), of=read.points, fence=name, left_out=left_out)
+        )
+        write_text(folder / f"{label}.html", page_of(read, grades[-1]).text)
+        write_text(folder / "grades.csv", table_of(read, grades))  # each time, so that Ctrl-C loses none
     return grades
+
+
+@attrs.frozen(kw_only=True)
+class _Grading:
+    """What a grading needs, checked.
+
+    `private` is what no submission may read but its own; `linked` are submissions that are links.
+    """
+
+    rubric: Rubric
+    seeds: Sequence[Seed]
+    cases: Sequence[tuple[Case, Scenario]]
+    private: Sequence[Path]
+    linked: Collection[Path]
+    fence: Fence | None
+
+
+def _prepare(
+    path: Path, submissions: Sequence[Path], out: Path, fence: bool, seeds: str | os.PathLike[str] | None
+) -> _Grading:
+    """Read and check everything before anything is graded; `StudyError` lists all problems."""
+    problems: list[str] = []
+
+    def tried(make: Callable[[], T]) -> T | None:
+        try:
+            return make()
+        except AmorsimError as error:
+            if str(error) not in problems:
+                problems.append(str(error))
+            return None
+
+    rubric = tried(lambda: read_rubric(path))
+    drawn = None if seeds is None else tried(lambda: read_seeds(seeds))
+    problems += [problem for each in submissions if (problem := _no_submission(each))]
+    base = Path(os.path.commonpath([each.absolute().parent for each in (path, *submissions)]))
+    linked = {each for each in submissions if leads_through_link(each, base)}
+    private = [path, out]
+    cases: list[tuple[Case, Scenario]] = []
+    if rubric is not None:
+        drawn = drawn or list(rubric.seeds) or draw_seeds(rubric.runs)
+        private += [Path(each) for each in (rubric.scenario, *rubric.worlds) if each]
+        problems += [
+            f"{each}: there is no such file, which the rubric gives to submissions"
+            for each in rubric.files
+            if not is_file(each)
+        ]
+        for number, (world, seed) in enumerate(itertools.product(rubric.worlds, drawn), start=1):
+            case = Case(number=number, seed=seed, world=world)
+            scenario = tried(functools.partial(_scenario, rubric, case))
+            if scenario is not None:
+                cases.append((case, scenario))
+    found = tried(lambda: find_fence(private)) if fence else None
+    private += [each for each in submissions if each not in linked]
+    if problems:
+        raise StudyError("\n".join(problems))
+    assert rubric is not None
+    assert drawn is not None
+    return _Grading(rubric=rubric, seeds=drawn, cases=cases, private=private, linked=linked, fence=found)
+
+
+def _no_submission(path: Path) -> str:
+    """Why a path is no submission; empty if it may be one."""
+    if path.is_dir():
+        return f"{path}: it is a folder; a submission is a file of Python"
+    # A link that leads nowhere is its author's mistake, and not the lecturer's.
+    return (
+        ""
+        if path.is_file() or path.is_symlink()
+        else f"{path}: there is no such file; a submission is a file of Python"
+    )
+
+
+def _handed_in(grading: _Grading, path: Path) -> tuple[HandedIn | None, str]:
+    """The files of a submission; or None, and why it has none."""
+    if path in grading.linked:
+        return None, "it is a symbolic link, or lies in one, and these are not followed"
+    try:
+        others = [each for each in grading.private if each != path]
+        return hand_in(path, others, grading.rubric.files), ""
+    except (AmorsimError, OSError) as error:
+        return None, as_line(str(error))
 
 
 def _labels(paths: Sequence[Path]) -> list[str]:
@@ -129,22 +190,34 @@ def _labels(paths: Sequence[Path]) -> list[str]:
     stems = [path.stem for path in paths]
     if len(set(stems)) < len(stems):
         stems = [f"{path.absolute().parent.name}-{path.stem}" for path in paths]
-    plain = [re.sub(r"[^\w.+-]+", "_", stem) for stem in stems]
-    return [name if plain.count(name) == 1 else f"{name}-{i}" for i, name in enumerate(plain, start=1)]
+    labels: list[str] = []
+    for stem in stems:
+        plain = re.sub(r"[^\w.+-]+", "_", stem)[:_LONGEST_LABEL]
+        same = (f"{plain}-{number}" for number in itertools.count(2))
+        # A file system may not tell apart capital letters.
+        labels.append(
+            next(name for name in itertools.chain([plain], same) if name.lower() not in map(str.lower, labels))
+        )
+    return labels
 
 
 def _scenario(rubric: Rubric, case: Case) -> Scenario:
     """The scenario of a case; the lecturer's own mistakes are reported before anything is graded."""
+    where = f"rubric, {Path(case.world).name}" if case.world else "rubric"
     try:
         scenario = load(rubric.scenario, case.settings)
-        simulation = Simulation(scenario, seed=case.seed)
+        simulation = _simulation(scenario, case.seed)
         robot = _robot(rubric, scenario)
         Keeper(simulation, _needs(rubric), 1)
     except AmorsimError as error:
-        raise StudyError(f"rubric, {case}: {error}") from None
+        raise StudyError(f"{where}: {error}") from None
     if robot not in simulation.names:
         raise StudyError(f"rubric: robot: there is no robot {robot!r}, but: {', '.join(simulation.names)}")
     return scenario
+
+
+def _simulation(scenario: Scenario, seed: Seed) -> Simulation:
+    return Simulation(scenario, seed=seed.seed, replicas=[seed.replica])
 
 
 def _robot(rubric: Rubric, scenario: Scenario) -> str:
@@ -158,89 +231,47 @@ def _needs(rubric: Rubric) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for each in rubric.criteria for name in each.measured.metric.needs()))
 
 
-def _case(rubric: Rubric, case: Case, scenario: Scenario, path: Path, hidden: Sequence[Path]) -> CaseGrade:
-    robot = _robot(rubric, scenario)
+def _case(grading: _Grading, case: Case, scenario: Scenario, handed_in: HandedIn) -> CaseGrade:
+    """What a submission does in a case, and earns; whatever goes wrong costs it this case, and nothing else."""
     try:
-        remote = Remote(
-            path.absolute(),
-            rubric.function,
-            rubric.role,
-            time_limit=rubric.time_limit,
-            memory_limit=rubric.memory_limit,
-            hidden=hidden,
-        )
-        with remote:
-            change: dict[str, Any] = {"estimators": {"submission": SubmittedEstimator(remote=remote)}}
-            if rubric.role == "controller":
-                source = f"{path.name}:{rubric.function}"
-                change = {"controller": UserController(source=source, function=remote)}
-            robots = [attrs.evolve(each, **change) if each.name == robot else each for each in scenario.robots]
-            simulation = Simulation(attrs.evolve(scenario, robots=robots, resolved=None), seed=case.seed)
-            steps = simulation.steps_of(scenario.duration if rubric.duration is None else rubric.duration)
-            keeper = Keeper(simulation, _needs(rubric), steps + 1)
+        return _run(grading, case, scenario, handed_in)
+    except StudyError:  # of the fence
+        raise
+    except RAISED as error:
+        text = str(error) if isinstance(error, AmorsimError) else error_in_words(error)
+        return CaseGrade(case=case, problem=as_line(text))
+
+
+def _run(grading: _Grading, case: Case, scenario: Scenario, handed_in: HandedIn) -> CaseGrade:
+    rubric = grading.rubric
+    robot = _robot(rubric, scenario)
+    remote = Remote(
+        handed_in,
+        rubric.function,
+        rubric.role,
+        time_limit=rubric.time_limit,
+        memory_limit=rubric.memory_limit,
+        fence=grading.fence,
+    )
+    with remote:
+        change: dict[str, Any] = {"estimators": {"submission": SubmittedEstimator(remote=remote)}}
+        if rubric.role == "controller":
+            source = f"{handed_in.name}:{rubric.function}"
+            change = {"controller": UserController(source=source, function=remote)}
+        robots = [attrs.evolve(each, **change) if each.name == robot else each for each in scenario.robots]
+        simulation = _simulation(attrs.evolve(scenario, robots=robots, resolved=None), case.seed)
+        steps = simulation.steps_of(scenario.duration if rubric.duration is None else rubric.duration)
+        keeper = Keeper(simulation, _needs(rubric), steps + 1)
+        keeper.keep()
+        for _ in range(steps):
+            simulation.step()
             keeper.keep()
-            for _ in range(steps):
-                simulation.step()
-                keeper.keep()
-    except AmorsimError as error:
-        return CaseGrade(case=case, problem=str(error))
     values, points = {}, {}
     for each in rubric.criteria:
-        measured: Measured = each.measured
+        measured = each.measured
         episode = episode_at(
             simulation, keeper.arrays, measured.metric.needs(), measured.robot or robot, np.zeros(1, np.int64), steps
         )
         values[measured.name] = float(measure_episode(measured, episode)[0])
         points[measured.name] = each.points * each.share(values[measured.name])
     return CaseGrade(case=case, values=values, points=points)
-
-
-def _table(rubric: Rubric, grades: Sequence[Grade]) -> str:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    names = [each.measured.name for each in rubric.criteria]
-    writer.writerow(["submission", "total", "of", *names, "cases", "without points", "first reason"])
-    for each in grades:
-        problems = [case.problem for case in each.cases if case.problem]
-        row = [
-            each.label,
-            f"{each.total:.4g}",
-            f"{rubric.points:g}",
-            *(f"{each.points_for(name):.4g}" for name in names),
-        ]
-        writer.writerow([*row, len(each.cases), len(problems), problems[0] if problems else ""])
-    return text.getvalue()
-
-
-def _page(rubric: Rubric, found: Grade) -> Page:
-    page = Page(f"{rubric.title}: {found.label}", f"{found.total:.3g} of {rubric.points:g} points")
-    page.heading("Criteria")
-    page.table(
-        ["criterion", "points", "of", "none at", "all at"],
-        [
-            [
-                f"{each.measured.name}{f' [{unit}]' if (unit := each.measured.metric.unit) else ''}",
-                f"{found.points_for(each.measured.name):.3g}",
-                f"{each.points:g}",
-                f"{each.none:g}",
-                f"{each.full:g}",
-            ]
-            for each in rubric.criteria
-        ],
-    )
-    page.heading("Runs")
-    names = [each.measured.name for each in rubric.criteria]
-    page.table(
-        ["run", *names, "points", "what happened"],
-        [
-            [
-                str(number),  # which seed and world it was stays with the lecturer
-                *(f"{case.values[name]:.4g}" if name in case.values else "-" for name in names),
-                f"{case.total:.3g}",
-                case.problem or "ran to its end",
-            ]
-            for number, case in enumerate(found.cases, start=1)
-        ],
-    )
-    page.paragraph("Points are the mean over all runs. Seeds and worlds of the runs stay with the lecturer.")
-    return page

@@ -1,6 +1,7 @@
 """A submission in another process: it is sent what a controller or an estimator gets, and answers.
 
-That process has no simulation in it, so there is no truth that its code could find. Both sides speak lines of JSON.
+That process has no simulation in it, so there is no truth that its code could find. Both sides speak lines of JSON, and
+what comes back is data: it is never executed, its length is limited, and it is refused unless it has the expected form.
 """
 
 from __future__ import annotations
@@ -8,11 +9,8 @@ from __future__ import annotations
 import json
 import os
 import select
-import subprocess
 import time
-import uuid
-from collections.abc import Collection, Mapping
-from pathlib import Path
+from collections.abc import Mapping
 from typing import Any
 
 import attrs
@@ -22,9 +20,11 @@ import numpy.typing as npt
 from amorsim.contracts import Context, Draws, Estimate, Estimator, Measurement, RobotModel, State
 from amorsim.controllers.user import RobotClock, RobotEstimate, RobotReading, Twist, WheelSpeeds
 from amorsim.core.errors import ControllerError
-from amorsim.core.processes import end_with_children, python_command
+from amorsim.core.trouble import in_words
 from amorsim.grading.fence import Fence
-from amorsim.grading.guard import MARK, end_strays
+from amorsim.grading.handed_in import HandedIn
+from amorsim.grading.process import SubmissionProcess
+from amorsim.kernels.cache_folder import cache_folder
 
 __all__ = ["Remote", "SubmittedEstimator"]
 
@@ -39,78 +39,72 @@ class Remote:
 
     Parameters
     ----------
-    path, name
-        The file, and the name of the function or class in it.
+    handed_in
+        Its files.
+    name
+        The name of the function or class in its file.
     role
         ``"controller"`` or ``"estimator"``.
     time_limit
         How long it may think in all [s].
     memory_limit
-        How much memory its process may have [bytes].
-    hidden
-        Files and folders that it must not read, where the system can see to that (`Fence`).
+        How much memory its processes may have in all [bytes].
+    fence
+        The fence to run it in; without one it can do what the user can.
 
     Raises
     ------
     ControllerError
         From a call, if the submission raises, hangs, ends its process, or answers with something else.
+    StudyError
+        On entering, if the fence does not come up.
     """
 
     def __init__(
         self,
-        path: Path,
+        handed_in: HandedIn,
         name: str,
         role: str,
         *,
         time_limit: float,
         memory_limit: int,
-        hidden: Collection[Path] = (),
+        fence: Fence | None,
     ) -> None:
-        self._left = time_limit
-        self._limit = time_limit
-        code = "from amorsim.grading.child import main; main()"
-        self._mark = uuid.uuid4().hex
-        self._fence = Fence(path, hidden)
-        self._process = subprocess.Popen(
-            python_command(code),
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            start_new_session=True,
-            cwd=self._fence.folder,
-            env={**os.environ, **self._fence.settings, MARK: self._mark},
-        )
-        assert self._process.stdin is not None
-        os.set_blocking(self._process.stdin.fileno(), False)
+        self._handed_in = handed_in
+        self._first = {"path": handed_in.name, "name": name, "role": role, "memory": memory_limit}
+        self._time_limit = time_limit
+        self._memory_limit = memory_limit
+        self._fence = fence
+        self._limit = self._left = _START
         self._rest = b""
-        fence = self._fence.said()
-        self._say({"path": str(path), "name": name, "role": role, "memory": memory_limit, "fence": fence})
 
     def __enter__(self) -> Remote:
-        # Importing is not thinking: the time for it is not the submission's.
-        left, self._left = self._left, _START
+        self._process = SubmissionProcess(self._fence, self._memory_limit)
         try:
-            self._answer("loading it")
+            self._load()
         except BaseException:
-            self.close()
+            self._process.close()
             raise
-        self._left = left
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.close()
+        self._process.close()
 
-    def close(self) -> None:
-        """End the process, and all that it has started."""
-        end_with_children(self._process)
-        end_strays(self._mark)
-        self._fence.close()
-        for pipe in (self._process.stdin, self._process.stdout):
-            if pipe is not None:
-                try:
-                    pipe.close()
-                except OSError:  # what could not be sent
-                    continue
+    def _load(self) -> None:
+        """Send the files, and wait until they are loaded: importing is not thinking, and has a time of its own."""
+        files = self._handed_in.files
+        kernels = None if self._fence is None else cache_folder()
+        self._say(
+            {
+                **self._first,
+                "files": {name: len(data) for name, data in files.items()},
+                "kernels": None if kernels is None else str(kernels),
+            },
+            "loading it",
+            b"".join(files.values()),
+        )
+        self._answer("loading it")
+        self._limit = self._left = self._time_limit
 
     def __call__(self, readings: Mapping[str, RobotReading], estimate: RobotEstimate, clock: RobotClock) -> Any:
         """The submission's command."""
@@ -130,7 +124,7 @@ class Remote:
             if kind == "wheels":
                 return WheelSpeeds(*value)
         except TypeError:
-            raise ControllerError(f"it answered {value!r}, which is no command") from None
+            raise ControllerError(f"it answered {in_words(value)}, which is no command") from None
         return value
 
     def begin(self, pose: Array) -> None:
@@ -144,29 +138,31 @@ class Remote:
         _, value = self._answer("in a step")
         try:
             pose, covariance = (np.array(part, dtype=np.float64) for part in value)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             pose = covariance = np.empty(0)
-        if pose.shape != (3,) or covariance.shape != (3, 3) or not np.isfinite(pose).all():
+        if (
+            pose.shape != (3,)
+            or covariance.shape != (3, 3)
+            or not all(np.isfinite(x).all() for x in (pose, covariance))
+        ):
             raise ControllerError(
-                f"it answered {str(value)[:80]}; expected a pose (x, y, heading) of finite numbers, or that and a "
+                f"it answered {in_words(value)}; expected a pose (x, y, heading) of finite numbers, or that and a "
                 "covariance (3, 3)"
             )
         return pose, covariance
 
-    def _say(self, message: Mapping[str, Any], when: str = "loading it") -> None:
-        """Send a line; a submission that does not read must not hold up the grading."""
-        assert self._process.stdin is not None
-        assert self._process.stdout is not None
-        if self._rest or select.select([self._process.stdout.fileno()], [], [], 0.0)[0]:
+    def _say(self, message: Mapping[str, Any], when: str, more: bytes = b"") -> None:
+        """Send a line, and bytes after it; a submission that does not read must not hold up the grading."""
+        if self._rest or _is_ready(self._process.answers):
             self._refuse_answers()
-        pipe = self._process.stdin.fileno()
-        rest = json.dumps(message).encode() + b"\n"
+        pipe = self._process.requests
+        rest = memoryview(json.dumps(message).encode() + b"\n" + more)
         while rest:
             begun = time.monotonic()
             _, ready, _ = select.select([], [pipe], [], max(0.0, self._left))
             self._left -= time.monotonic() - begun
             if not ready:
-                raise ControllerError(f"it took longer than {self._limit:g} s in all ({when})")
+                raise self._too_slow(when)
             try:
                 rest = rest[os.write(pipe, rest) :]
             except BlockingIOError:
@@ -176,20 +172,18 @@ class Remote:
 
     def _refuse_answers(self) -> None:
         """Raise if there is an answer to a question that was not asked yet; the end of the process is none."""
-        assert self._process.stdout is not None
-        if self._rest or os.read(self._process.stdout.fileno(), 1):
+        if self._rest or os.read(self._process.answers, 1):
             raise ControllerError("it answered before it was asked")
         raise self._ended("before it was asked")
 
     def _answer(self, when: str) -> tuple[str, Any]:
-        assert self._process.stdout is not None
-        pipe = self._process.stdout.fileno()
+        pipe = self._process.answers
         while b"\n" not in self._rest:
             begun = time.monotonic()
-            there, _, _ = select.select([pipe], [], [], max(0.0, self._left))
+            is_there = _is_ready(pipe, max(0.0, self._left))
             self._left -= time.monotonic() - begun
-            if not there:
-                raise ControllerError(f"it took longer than {self._limit:g} s in all ({when})")
+            if not is_there:
+                raise self._too_slow(when)
             more = os.read(pipe, 1 << 16)
             if not more:
                 raise self._ended(when)
@@ -205,13 +199,19 @@ class Remote:
             raise ControllerError(f"{value} ({when})")
         return str(kind), value
 
+    def _too_slow(self, when: str) -> ControllerError:
+        return ControllerError(f"it took longer than {self._limit:g} s in all ({when})")
+
     def _ended(self, when: str) -> ControllerError:
-        try:
-            status = self._process.wait(timeout=1.0)
-        except subprocess.TimeoutExpired:
-            status = None
-        how = f" by signal {-status}" if status is not None and status < 0 else ""
+        how = self._process.how_it_ended()
+        if self._process.problem:
+            return ControllerError(f"{self._process.problem} ({when})")
         return ControllerError(f"its process ended{how} ({when}); it may have left Python, or needed too much memory")
+
+
+def _is_ready(pipe: int, wait: float = 0.0) -> bool:
+    """Whether something can be read from a pipe, or it has ended."""
+    return bool(select.select([pipe], [], [], wait)[0])
 
 
 @attrs.frozen(kw_only=True)

@@ -1,4 +1,4 @@
-"""What a submission is graded by: scenario, held-out seeds and worlds, limits, and criteria with points."""
+"""What a submission is graded by: scenario, runs, held-out worlds, limits, and criteria with points."""
 
 from __future__ import annotations
 
@@ -7,34 +7,22 @@ from pathlib import Path
 
 import attrs
 
-from amorsim.core.errors import ScenarioError, StudyError
 from amorsim.core.numbers import is_number
+from amorsim.grading.seeds import MOST_SEED, Seed
+from amorsim.grading.tables import read_tables
 from amorsim.plugins.manager import default_registry
-from amorsim.scenario.contents import book_of
 from amorsim.scenario.faults import Node, shown
-from amorsim.scenario.models import check_format, read_file
-from amorsim.scenario.toml_values import as_toml
 from amorsim.sweeps.plan import Measured
 from amorsim.sweeps.read import read_metric
 
-__all__ = ["Case", "Criterion", "Rubric", "read_rubric"]
+__all__ = ["Criterion", "Rubric", "read_rubric"]
 
 _FAR = 1e15  # larger numbers are taken for mistakes
+_MOST_RUNS = 10_000
+_LISTS = (("worlds", "map files, as in ['a.wld']"), ("files", "files, as in ['helper.py']"))
 _KEYS = (
-    *(
-        "format",
-        "title",
-        "scenario",
-        "robot",
-        "role",
-        "function",
-        "seeds",
-        "worlds",
-        "duration",
-        "time_limit",
-        "memory_limit",
-    ),
-    "criteria",
+    *("format", "title", "scenario", "robot", "role", "function", "files"),
+    *("runs", "practice", "seeds", "worlds", "duration", "time_limit", "memory_limit", "criteria"),
 )
 
 
@@ -55,31 +43,23 @@ class Criterion:
 
 
 @attrs.frozen(kw_only=True)
-class Case:
-    """One run of a submission: a seed, and a world or the scenario's own."""
-
-    seed: int
-    world: str = ""
-
-    def __str__(self) -> str:
-        return f"seed {self.seed}" + (f", {Path(self.world).name}" if self.world else "")
-
-    @property
-    def settings(self) -> tuple[str, ...]:
-        """The settings that it means."""
-        return (f"world.map={as_toml(self.world)}",) if self.world else ()
-
-
-@attrs.frozen(kw_only=True)
 class Rubric:
-    """A rubric, as its file says it."""
+    """A rubric, as its file says it.
+
+    `seeds` is empty unless it is for practice: then `runs` seeds are drawn for each grading. `worlds` are maps that
+    replace the scenario's own; the empty name means that one. `files` are given to every submission.
+    """
 
     title: str
     scenario: str
     robot: str
     role: str
     function: str
-    cases: tuple[Case, ...]
+    files: tuple[Path, ...]
+    runs: int
+    practice: bool
+    seeds: tuple[Seed, ...]
+    worlds: tuple[str, ...]
     duration: float | None
     time_limit: float
     memory_limit: int
@@ -99,25 +79,13 @@ def read_rubric(path: str | os.PathLike[str]) -> Rubric:
     StudyError
         With all that is wrong with it.
     """
-    path = Path(path)
-    written = read_file(path)
-    if isinstance(written, str):
-        raise StudyError(f"{path}: {written}")
-    book = book_of(written, path)
-    top = Node(written.values, (), book)
-    rubric = _read(top, path)
-    try:
-        book.raise_if_any()
-    except ScenarioError as error:
-        raise StudyError(str(error)) from None
+    rubric = read_tables(path, _KEYS, _read)
     assert rubric is not None
     return rubric
 
 
 def _read(top: Node, path: Path) -> Rubric | None:
     registry = default_registry()
-    check_format(top.child("format"))
-    top.refuse_unknown(_KEYS)
     scenario = top.child("scenario").text("the name of a scenario, or the path of its file") or ""
     if scenario not in registry.names("scenario") or (path.parent / scenario).is_file():
         scenario = str(path.parent.absolute() / scenario)
@@ -126,13 +94,13 @@ def _read(top: Node, path: Path) -> Rubric | None:
         top.child("role").fault(f"expected 'controller' or 'estimator', got {role!r}")
     own = "drive" if role == "controller" else "Estimator"
     function = top.child("function").text("the name of the function or class that submissions have", own) or ""
-    seeds, worlds = top.child("seeds"), top.child("worlds")
-    for node, kind in ((seeds, int), (worlds, str)):
-        what = "seeds, as in [11, 12]" if kind is int else "map files, as in ['a.wld']"
-        if node.value is not None and (
-            not isinstance(node.value, list) or not node.value or any(type(item) is not kind for item in node.value)
-        ):
-            node.fault(f"expected a list of {what}, got {shown(node.value)}")
+    title = top.child("title").text("a title", path.stem) or ""
+    robot = "" if "robot" not in top else top.child("robot").text("the name of a robot") or ""
+    worlds, files = (_names(top.child(key), what) for key, what in _LISTS)
+    practice = top.child("practice")
+    if practice.value is not None and type(practice.value) is not bool:
+        practice.fault(f"expected true or false, got {shown(practice.value)}")
+    runs, seeds = _runs(top, practice.value is True)
     numbers = {}
     for key, default in (("time_limit", 60.0), ("memory_limit", 4e9), ("duration", None)):
         node = top.child(key)
@@ -142,19 +110,56 @@ def _read(top: Node, path: Path) -> Rubric | None:
     criteria = _criteria(top.child("criteria"))
     if top.book.count:
         return None
-    maps = [str(path.parent.absolute() / name) for name in worlds.value or ()] or [""]
     return Rubric(
-        title=top.value.get("title", path.stem),
+        title=title,
         scenario=scenario,
-        robot=top.value.get("robot", ""),
+        robot=robot,
         role=role,
         function=function,
-        cases=tuple(Case(seed=seed, world=world) for world in maps for seed in seeds.value or (1,)),
+        files=tuple(path.parent.absolute() / name for name in files),
+        runs=runs,
+        practice=practice.value is True,
+        seeds=seeds,
+        worlds=tuple(str(path.parent.absolute() / name) for name in worlds) or ("",),
         duration=numbers["duration"],
         time_limit=float(numbers["time_limit"] or 0.0),
         memory_limit=int(numbers["memory_limit"] or 0),
         criteria=tuple(criteria),
     )
+
+
+def _names(node: Node, what: str) -> list[str]:
+    """The names of files in a list, which may be absent."""
+    value = node.value
+    if value is None:
+        return []
+    if isinstance(value, list) and value and all(isinstance(each, str) and each for each in value):
+        return value
+    node.fault(f"expected a list of {what}, got {shown(value)}")
+    return []
+
+
+def _runs(top: Node, is_practice: bool) -> tuple[int, tuple[Seed, ...]]:
+    """How many runs there are in each world, and their seeds where these are known."""
+    runs, seeds = top.child("runs"), top.child("seeds")
+    if is_practice:
+        if runs.value is not None:
+            runs.fault("for practice, give seeds in its place, as in seeds = [1, 2]")
+        value = [1] if seeds.value is None else seeds.value
+        if isinstance(value, list) and value and all(type(each) is int and 0 <= each <= MOST_SEED for each in value):
+            return len(value), tuple(map(Seed, value))
+        seeds.fault(f"expected a list of seeds, as in [11, 12], got {shown(value)}")
+        return 1, ()
+    if seeds.value is not None:
+        seeds.fault(
+            "a submission can find a seed by trying, and with it the truth: write runs = 2, and seeds are drawn; or "
+            "practice = true, if no marks depend on it"
+        )
+    count = 1 if runs.value is None else runs.value
+    if type(count) is not int or not 0 < count <= _MOST_RUNS:
+        runs.fault(f"expected a whole number of runs from 1 to {_MOST_RUNS}, got {shown(count)}")
+        count = 1
+    return count, ()
 
 
 def _criteria(node: Node) -> list[Criterion]:

@@ -1,10 +1,13 @@
-"""``amorsim grade``: what it refuses before it grades."""
+"""``amorsim grade``: what it refuses before it grades, and what it says without a fence."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from tests.cli.conftest import Command
+from tests.grading.courses import make_course
 
 
 def test_no_grades_are_replaced(amorsim: Command, tmp_path: Path) -> None:
@@ -15,3 +18,24 @@ def test_no_grades_are_replaced(amorsim: Command, tmp_path: Path) -> None:
     assert result.status == 2
     assert "grades: the folder holds files already, such as grades.csv" in result.err
     assert (tmp_path / "grades" / "grades.csv").read_text() == "of the first round"
+
+
+def test_with_the_lecturers_word_every_result_says_that_there_was_no_fence(
+    amorsim: Command,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("PATH", "")
+    course = make_course(tmp_path / "course")
+    (course.parent / "leaky.py").write_text("def drive(*_):\n    raise ValueError('of the rubric')\n")
+    ended = amorsim("grade", course, course.parent / "leaky.py", "--no-fence")
+    assert ended.status == 0
+    assert "graded without a fence" in ended.out
+    assert "of the rubric" in ended.out
+    table = (tmp_path / "grades" / "grades.csv").read_text()
+    assert table.splitlines()[0].endswith(",fence")
+    assert table.splitlines()[1].endswith(",none")
+    assert "of the rubric" in table
+    page = (tmp_path / "grades" / "leaky.html").read_text()
+    assert "Graded without a fence" in page
+    assert "of the rubric" not in page  # it may have read anything

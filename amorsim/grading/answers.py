@@ -1,0 +1,107 @@
+"""The answers of a submission: it is loaded, and asked with one line after the other."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import sys
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from amorsim.controllers.user import PoseVector, RobotClock, RobotEstimate, RobotReading, Twist, WheelSpeeds
+from amorsim.core.errors import AmorsimError, ControllerError
+from amorsim.core.trouble import error_in_words
+from amorsim.scenario.controller_files import load_controller
+
+__all__ = ["answer_all"]
+
+Say = Callable[[str, Any], None]
+
+
+def answer_all(path: Path, name: str, role: str, requests: Iterable[bytes], say: Say) -> None:
+    """Load a submission, and answer each line that is sent."""
+    try:
+        answer = _loaded(path, name, role)
+    except AmorsimError as error:
+        say("error", str(error))
+        sys.exit(1)
+    except BaseException as error:
+        say("error", error_in_words(error))
+        sys.exit(1)
+    say("ready", None)
+    for line in requests:
+        try:
+            say(*answer(json.loads(line)))
+        except MemoryError:
+            say("error", "MemoryError: it needed more memory than it may have")
+        except Exception as error:
+            say("error", error_in_words(error))
+
+
+Answer = Callable[[Mapping[str, Any]], tuple[str, Any]]
+
+
+def _loaded(path: Path, name: str, role: str) -> Answer:
+    """What answers each line."""
+    if role == "controller":
+        found: Any = load_controller(path, name, {})
+        command: Any = getattr(found(), "command", None) if inspect.isclass(found) else found
+        return lambda said: _as_message(command(*_arguments(said)))
+    made = load_controller(path, name, {"start": None})
+    if not callable(getattr(made, "update", None)):
+        raise ControllerError(
+            f"{name!r} in {path.name}: expected a class with update(self, readings, command, elapsed)"
+        )
+    own: list[Any] = []
+
+    def estimate(said: Mapping[str, Any]) -> tuple[str, Any]:
+        if "start" in said:
+            own[:] = [made(start=np.array(said["start"]).view(PoseVector))]
+            return "ready", None
+        readings = _readings(said)
+        return "estimate", _estimated(own[0].update(readings, np.array(said["command"]), said["elapsed"]))
+
+    return estimate
+
+
+def _estimated(answer: Any) -> list[Any]:
+    """A pose and a covariance, as lists; a pose alone has none."""
+    if isinstance(answer, tuple) and len(answer) == 2:
+        pose, covariance = answer
+    else:
+        pose, covariance = answer, np.zeros((3, 3))
+    return [np.asarray(pose, dtype=np.float64).tolist(), np.asarray(covariance, dtype=np.float64).tolist()]
+
+
+def _readings(said: Mapping[str, Any]) -> dict[str, RobotReading]:
+    return {
+        name: RobotReading(np.array(measured, dtype=np.float64), stamp, age, fresh)
+        for name, (measured, stamp, age, fresh) in said["readings"].items()
+    }
+
+
+def _arguments(said: Mapping[str, Any]) -> tuple[dict[str, RobotReading], RobotEstimate, RobotClock]:
+    pose, covariance = (np.array(part, dtype=np.float64) for part in said["estimate"])
+    return _readings(said), RobotEstimate(pose.view(PoseVector), covariance), RobotClock(*said["clock"])
+
+
+def _as_message(answer: Any) -> tuple[str, Any]:
+    if isinstance(answer, Twist):
+        return "twist", [_plain(part) for part in (answer.forward, answer.turn, answer.left)]
+    if isinstance(answer, WheelSpeeds):
+        return "wheels", [_plain(part) for part in (answer.left, answer.right)]
+    if isinstance(answer, Mapping):
+        return "other", {str(name): _plain(part) for name, part in answer.items()}
+    if isinstance(answer, (list, tuple, np.ndarray)):
+        return "other", [_plain(part) for part in answer]
+    return "other", _plain(answer)
+
+
+def _plain(value: Any) -> Any:
+    """A number of NumPy as Python's; what is no number as text, which the simulation refuses by name."""
+    if isinstance(value, np.generic):
+        value = value.item()
+    return value if value is None or isinstance(value, (bool, int, float)) else str(value)[:200]
