@@ -192,9 +192,12 @@ class Remote:
                 raise ControllerError(f"it answered with more than a command ({when})")
         line, _, self._rest = self._rest.partition(b"\n")
         try:
-            kind, value = json.loads(line)
-        except (ValueError, TypeError, RecursionError):
-            raise ControllerError(f"it answered {line[:60]!r}, which is no command ({when})") from None
+            answer = json.loads(line)
+        except (ValueError, RecursionError):
+            answer = None
+        if not isinstance(answer, list) or len(answer) != 2:
+            raise ControllerError(f"it answered {line[:60]!r}, which is no command ({when})")
+        kind, value = answer
         if kind == "error":
             raise ControllerError(f"{value} ({when})")
         return str(kind), value
