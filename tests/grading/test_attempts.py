@@ -92,9 +92,7 @@ READING = {
     "a held-out world": reads("(course / 'secret' / 'held-out.yaml').read_text()"),
     "the picture beside it": reads("(course / 'secret' / 'held-out.pgm').read_bytes()"),
     "another submission": reads("(course / 'ann.py').read_text()"),
-    "the code of another submission": reads(
-        "exec(f'sys.path.insert(0, {str(course)!r}); import ann') or ann", "No module"
-    ),
+    "the code of another submission": Attempt("sys.path.insert(0, str(course))\nimport ann", "No module", True),
     "a letter of the lecturer": reads("(course.parent / 'letter.txt').read_text()"),
     "names in the lecturer's folder": reads("os.listdir(course.parent)"),
     "the users of the system": reads("pathlib.Path('/etc/passwd').read_text()"),
@@ -187,19 +185,12 @@ PROCESSES = {
     "a handle": Attempt("os.pidfd_open(grader)", NO_PROCESS, True),
     "tracing": Attempt("call('ptrace', 0x4206, grader, None, None)", NO_PROCESS),
     "its own limits": Attempt("resource.setrlimit(resource.RLIMIT_AS, (-1, -1))", "ValueError|PermissionError"),
-    "forks": Attempt("while True:\n    os.fork()", "more than 512 processes|more memory than"),
-    "threads": Attempt(
-        "import threading\n"
-        "threading.stack_size(65536)\n"
-        "while True:\n"
-        "    threading.Thread(target=time.sleep, args=(60,)).start()",
-        "more than 512 processes|RuntimeError",
-    ),
     "a stray": Attempt(f"subprocess.Popen({STRAY}, start_new_session=True)\nraise RuntimeError", "RuntimeError"),
     "a stray that none is told of": Attempt(
         f"call('prctl', 1, 0, 0, 0, 0)\n[signal.signal(each, signal.SIG_IGN) for each in (1, 2, 15)]\n"
-        f"subprocess.Popen({STRAY}, start_new_session=True)\nos.fork() or os.setsid() or time.sleep(600.0)",
-        "took longer than 2 s",
+        f"subprocess.Popen({STRAY}, start_new_session=True)\n"
+        "os.fork() or os.setsid() or time.sleep(600.0)\nraise RuntimeError",
+        "RuntimeError",
     ),
     "an end of its first process": Attempt(
         "os.kill(1, signal.SIGKILL)\nos.kill(1, signal.SIGSTOP)\nraise RuntimeError", "Runt"
@@ -209,6 +200,24 @@ PROCESSES = {
 }
 TAKING = {
     "memory": Attempt("bytearray(10**11)", "MemoryError"),
+    "open files": Attempt("kept = [open('/dev/null') for _ in range(10_000)]", "Too many open files"),
+    "time": Attempt("while True:\n    pass", "took longer than 2 s in all"),
+    "time at last": Attempt("time.sleep(60.0)", "took longer than 2 s in all"),
+    "room for answers": Attempt("answer(b'x' * 10_000_000)", "answered with more than a command"),
+    "more answers than questions": Attempt(
+        "answer(b'[\"twist\", [0.4, 0, 0]]\\n' * 50)", "answered before it was asked"
+    ),
+    "no end": Attempt("os.closerange(0, 20)\ntime.sleep(60.0)", "took longer than 2 s in all"),
+}
+MUCH = {
+    "forks": Attempt("while True:\n    os.fork()", "more than 512 processes|more memory than"),
+    "threads": Attempt(
+        "import threading\n"
+        "threading.stack_size(65536)\n"
+        "while True:\n"
+        "    threading.Thread(target=time.sleep, args=(60,)).start()",
+        "more than 512 processes|RuntimeError",
+    ),
     "memory by many": Attempt(
         "for _ in range(4):\n    os.fork() or (bytearray(b'x') * 700_000_000, time.sleep(60.0))\ntime.sleep(60.0)",
         "more memory than",
@@ -224,14 +233,6 @@ TAKING = {
         "for each in kept:\n    os.write(each, bytes(90_000_000))\ntime.sleep(60.0)",
         "more memory than|hides which files",
     ),
-    "open files": Attempt("kept = [open('/dev/null') for _ in range(10_000)]", "Too many open files"),
-    "time": Attempt("while True:\n    pass", "took longer than 2 s in all"),
-    "time at last": Attempt("time.sleep(60.0)", "took longer than 2 s in all"),
-    "room for answers": Attempt("answer(b'x' * 10_000_000)", "answered with more than a command"),
-    "more answers than questions": Attempt(
-        "answer(b'[\"twist\", [0.4, 0, 0]]\\n' * 50)", "answered before it was asked"
-    ),
-    "no end": Attempt("os.closerange(0, 20)\ntime.sleep(60.0)", "its process ended"),
 }
 ANSWERS = {
     "no json": Attempt("answer(b'forward!\\n')", "which is no command"),
@@ -239,7 +240,9 @@ ANSWERS = {
     "depth": Attempt("answer(b'[' * 100_000 + b'\\n')", "which is no command"),
     "a table": Attempt('answer(b\'{"twist": 1, "wheels": 2}\\n\')', "which is no command"),
     "digits": Attempt("answer(b'[\"twist\", [1' + b'0' * 5000 + b', 0, 0]]\\n')", "which is no command"),
-    "a large number": Attempt("answer(b'[\"twist\", [1' + b'0' * 400 + b', 0, 0]]\\n')", "too large"),
+    "a large number": Attempt(
+        "answer(b'[\"twist\", [1' + b'0' * 400 + b', 0, 0]]\\n')", r"returned Twist\(forward=1000"
+    ),
     "no number": Attempt("answer(b'[\"twist\", [NaN, Infinity, 1e999]]\\n')", "is not finite"),
     "too many numbers": Attempt("answer(b'[\"twist\", [1, 2, 3, 4, 5]]\\n')", "which is no command"),
     "nothing": Attempt("answer(b'[\"wheels\", null]\\n')", "which is no command"),
@@ -260,7 +263,7 @@ ANSWERS = {
 def course(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A rubric with a held-out world, and private files beside it."""
     monkeypatch.setenv("AMORSIM_SECRET", "of the lecturer")
-    rubric = make_course(tmp_path / "course", RUBRIC.replace("4e9", "2e9"))
+    rubric = make_course(tmp_path / "course", RUBRIC.replace("4e9", "1.5e9"))
     secret = rubric.parent / "secret"
     secret.mkdir()
     (secret / "held-out.pgm").write_bytes(b"P5\n160 100\n255\n" + bytes([255]) * 16000)
@@ -341,6 +344,7 @@ GROUPS = {
     "changing": CHANGING,
     "processes": PROCESSES,
     "taking": TAKING,
+    "much": MUCH,
     "answers": ANSWERS,
 }
 HALVES = [(name, half) for name in GROUPS for half in (0, 1)]
@@ -351,6 +355,8 @@ HALVES = [(name, half) for name in GROUPS for half in (0, 1)]
 def test_no_attempt_earns_anything_or_costs_others(course: Path, name: str, half: int) -> None:
     every = list(GROUPS[name].items())
     attempts = dict(every[: len(every) // 2] if half == 0 else every[len(every) // 2 :])
+    if name == "much":  # taking it takes time
+        course.write_text(course.read_text().replace("time_limit = 2.0", "time_limit = 60.0"))
     found = try_all(course, attempts)
     check(attempts, found)
     with (course.parent / "grades" / "grades.csv").open(newline="", encoding="utf-8") as file:
@@ -365,17 +371,13 @@ def test_no_attempt_earns_anything_or_costs_others(course: Path, name: str, half
 
 
 @pytest.mark.long
-def test_these_attempts_succeed_without_a_fence(course: Path) -> None:
+@pytest.mark.parametrize("name", ["reading", "processes"])
+def test_these_attempts_succeed_without_a_fence(course: Path, name: str) -> None:
     (course.parent / "ann.py").write_text(GOOD)
-    attempts = {
-        f"{name}: {what}": attempt
-        for name in GROUPS
-        for what, attempt in GROUPS[name].items()
-        if attempt.succeeds and name != "changing"
-    }
+    attempts = {what: attempt for what, attempt in GROUPS[name].items() if attempt.succeeds}
     paths = write(course, attempts)
     found = grade(course, list(paths.values()), course.parent / "grades", fence=False)
-    assert len(found) >= 20
+    assert len(found) >= 9
     assert {what: each.cases[0].problem for what, each in zip(paths, found, strict=True) if each.total < 8.0} == {}
 
 
@@ -448,3 +450,57 @@ def test_the_network_is_reached_without_a_fence(course: Path, network: dict[str,
     paths = write(course, attempts)
     found = grade(course, list(paths.values()), course.parent / "grades", fence=False)
     assert {what: each.cases[0].problem for what, each in zip(paths, found, strict=True) if each.total < 8.0} == {}
+
+
+MIRROR = """\
+import attrs
+import numpy as np
+
+import amorsim as am
+from amorsim.controllers.user import UserController
+
+
+class Estimator:
+    def __init__(self, start):
+        self.mirror = None
+
+    def update(self, readings, command, elapsed):
+        seen = readings["gyro"].measured
+        if self.mirror is None:
+            self.mirror = self.found(command, seen)
+        else:
+            self.command = list(command)
+            self.mirror.step()
+        assert np.array_equal(self.mirror.frames()[0].readings["gyro"][1].measured[0], seen)
+        return self.mirror.true_pose[0]
+
+    def found(self, command, seen):
+        scenario = am.load("small.toml")
+        robot = attrs.evolve(scenario.robots[0], controller=UserController(source='', function=lambda *_: self.command))
+        scenario = attrs.evolve(scenario, robots=[robot], resolved=None)
+        for seed in range(10):
+            mirror = am.Simulation(scenario, seed=seed)
+            if np.array_equal(mirror.frames()[0].readings["gyro"][1].measured[0], seen):
+                return mirror
+        raise LookupError("no seed fits")
+"""
+
+
+@pytest.mark.long
+def test_a_submission_finds_a_seed_that_is_known_and_none_that_is_drawn(tmp_path: Path) -> None:
+    text = RUBRIC[: RUBRIC.index("[criteria]")].replace('function = "drive"', 'role = "estimator"')
+    text += '[criteria]\nnear = { use = "position_error", at = "max", points = 10.0, none = 1e-6, full = 0.0 }\n'
+    text = text.replace("time_limit = 2.0", "time_limit = 60.0")
+    course = make_course(tmp_path / "course", text.replace("runs = 1", "practice = true\nseeds = [7]"))
+    own = tmp_path / "handed-in" / "mirror.py"
+    own.parent.mkdir()
+    own.write_text(MIRROR)
+    for name in ("small.toml", "rooms.wld"):  # which the students have
+        (own.parent / name).write_bytes((course.parent / name).read_bytes())
+    (known,) = grade(course, [own], tmp_path / "practice")
+    assert known.cases[0].problem == ""
+    assert known.total == 10.0  # the truth, to the last bit
+    course.write_text(text)
+    (drawn,) = grade(course, [own], tmp_path / "grades")
+    assert drawn.total == 0.0
+    assert "no seed fits" in drawn.cases[0].problem
