@@ -59,9 +59,9 @@ class Fence:
         return [
             *(self.program, "--unshare-all", "--unshare-user", "--disable-userns", "--uid", _USER, "--gid", _USER),
             *("--die-with-parent", "--new-session", "--clearenv", "--cap-drop", "ALL"),
-            *system,
             *("--proc", "/proc", "--dev", "/dev"),
             *room,
+            *system,  # last, for an environment of Python may lie among temporary files
             # Root would own the settings in /proc, and all could fill memory through the others.
             *("--remount-ro", "/proc", "--remount-ro", "/dev", "--remount-ro", "/"),
             *("--chdir", HOME),

@@ -74,6 +74,10 @@ class SubmissionProcess:
             raise StudyError("bubblewrap ended before it started a submission") from None
         return first
 
+    def watch(self) -> None:
+        """From now on, end it if it takes too much."""
+        self._watch.start()
+
     def _end_for(self, problem: str) -> None:
         self.problem = problem
         self._kill()

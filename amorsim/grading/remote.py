@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Context, Draws, Estimate, Estimator, Measurement, RobotModel, State
 from amorsim.controllers.user import RobotClock, RobotEstimate, RobotReading, Twist, WheelSpeeds
-from amorsim.core.errors import ControllerError
+from amorsim.core.errors import ControllerError, StudyError
 from amorsim.core.trouble import in_words
 from amorsim.grading.fence import Fence
 from amorsim.grading.handed_in import HandedIn
@@ -57,7 +57,7 @@ class Remote:
     ControllerError
         From a call, if the submission raises, hangs, ends its process, or answers with something else.
     StudyError
-        On entering, if the fence does not come up.
+        On entering, if the fence or Python in it does not come up.
     """
 
     def __init__(
@@ -81,6 +81,7 @@ class Remote:
     def __enter__(self) -> Remote:
         self._process = SubmissionProcess(self._fence, self._memory_limit)
         try:
+            self._begin()
             self._load()
         except BaseException:
             self._process.close()
@@ -89,6 +90,14 @@ class Remote:
 
     def __exit__(self, *_: object) -> None:
         self._process.close()
+
+    def _begin(self) -> None:
+        """Wait until Python runs, and nothing of the submission yet."""
+        try:
+            self._answer("starting it")
+        except ControllerError as error:
+            raise StudyError(f"a submission's process cannot be started: {error}") from None
+        self._process.watch()
 
     def _load(self) -> None:
         """Send the files, and wait until they are loaded: importing is not thinking, and has a time of its own."""

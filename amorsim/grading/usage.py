@@ -36,12 +36,16 @@ class Watch:
         self._report = report
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name="amorsim-usage", daemon=True)
+
+    def start(self) -> None:
+        """Begin to look."""
         self._thread.start()
 
     def end(self) -> None:
         """Look no more."""
         self._ended.set()
-        self._thread.join()
+        if self._thread.is_alive():
+            self._thread.join()
 
     def _run(self) -> None:
         while not self._ended.wait(_INTERVAL):
@@ -59,7 +63,8 @@ class Watch:
             try:
                 open_files |= _unnamed_files(process)
             except PermissionError:
-                return "it hides which files it has opened"
+                if process.name != str(self._pid):  # bubblewrap, which hides its own
+                    return "it hides which files it has opened"
             if threads > _MOST_THREADS:
                 return f"it started more than {_MOST_THREADS} processes and threads"
             if memory + sum(open_files.values()) > self._memory:

@@ -17,6 +17,7 @@ import amorsim as am
 from amorsim.cli.app import app
 from amorsim.scenario import contents, models, robots
 from tests.first_hour.conftest import ROOT, Page, blocks_of, check_output
+from tests.grading.courses import needs_fence
 
 DOCS = ROOT / "docs"
 PAGES = sorted([*DOCS.rglob("*.md"), *(ROOT / name for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md"))])
@@ -32,7 +33,11 @@ _LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
 
 
 def _marked(paths: list[Path]) -> list[Any]:
-    return [pytest.param(path, marks=pytest.mark.long) if path.stem in _LONG else path for path in paths]
+    return [pytest.param(path, marks=_marks(path.stem)) for path in paths]
+
+
+def _marks(name: str) -> list[pytest.MarkDecorator]:
+    return [pytest.mark.long] * (name in _LONG) + [needs_fence] * (name == "grade-submissions")
 
 
 def _is_run(path: Path) -> bool:

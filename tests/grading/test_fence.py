@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
 
+import attrs
 import pytest
 
 import amorsim as am
@@ -79,6 +82,18 @@ def drive(readings, estimate, clock):
     assert len(settings) < 12
     assert user == 1000
     assert opened == 6  # input, output and errors lead nowhere; what is asked, what is answered, and this folder
+
+
+@needs_fence
+def test_python_may_lie_among_temporary_files() -> None:
+    found = find_fence([])
+    for folder in ("/tmp", "/dev/shm"):
+        own = Path(tempfile.mkdtemp(dir=folder))
+        (own / "python").touch()
+        fence = attrs.evolve(found, visible=(*found.visible, own))
+        look = ["/bin/sh", "-c", f"cat {own}/python && touch {folder}/new && ! touch {own}/new"]
+        assert subprocess.run(fence.command(look), check=False, stderr=subprocess.DEVNULL).returncode == 0
+        shutil.rmtree(own)
 
 
 GRADER = """\
