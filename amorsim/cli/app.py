@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import gc
+import io
 import os
 import sys
 import warnings
@@ -151,7 +152,9 @@ def _print_no_more() -> None:
 
 
 def _open_closed() -> None:
-    """Print to nowhere where the caller has closed the standard output or error (``>&-``): Python then has none."""
+    """Print to nowhere where the caller has closed the standard output or error (``>&-``), and print every text."""
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:
             setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_WRONLY), "w", encoding="utf-8"))
+    if isinstance(sys.stdout, io.TextIOWrapper):  # what a terminal cannot show is escaped, as on the standard error
+        sys.stdout.reconfigure(errors="backslashreplace")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import sys
 from pathlib import Path
 
 import pytest
@@ -39,3 +41,14 @@ def test_with_the_lecturers_word_every_result_says_that_there_was_no_fence(
     page = (tmp_path / "grades" / "leaky.html").read_text()
     assert "Graded without a fence" in page
     assert "of the rubric" not in page  # it may have read anything
+
+
+def test_what_a_terminal_cannot_show_does_not_end_the_grading(
+    amorsim: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    course = make_course(tmp_path / "course")
+    (course.parent / "größer.py").write_text("def drive(*_):\n    return 'größer'\n", encoding="utf-8")
+    shown = io.BytesIO()
+    monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(shown, encoding="ascii"))
+    assert amorsim("grade", course, course.parent / "größer.py", "--no-fence").status == 0
+    assert "gr\\xf6\\xdfer, run 1: controller 'gr\\xf6\\xdfer.py:drive'" in shown.getvalue().decode("ascii")
