@@ -33,9 +33,6 @@ def command(
     from amorsim.grading.grade import grade
     from amorsim.grading.results import UNFENCED
     from amorsim.grading.rubric import read_rubric
-    from amorsim.runs.folder import check_free
-
-    check_free(out)
 
     def look() -> None:
         read_rubric(rubric)

@@ -25,6 +25,7 @@ from amorsim.grading.results import UNFENCED, Case, CaseGrade, Grade, page_of, t
 from amorsim.grading.rubric import Rubric, read_rubric
 from amorsim.grading.seeds import Seed, draw_seeds, read_seeds, write_seeds
 from amorsim.grading.text import as_line
+from amorsim.runs.folder import check_free
 from amorsim.scenario.read import load
 from amorsim.scenario.spec import Scenario
 from amorsim.simulation.keeping import Keeper
@@ -60,7 +61,7 @@ def grade(
     submissions
         The paths of Python files, each with the function or class that the rubric names.
     out
-        The folder of the results, made if it is not there. ``seeds.toml`` in it repeats the grading.
+        The folder of the results, new or empty. ``seeds.toml`` in it repeats the grading.
     fence
         Whether submissions are fenced in by bubblewrap. Without it they can read and change what this process can.
     seeds
@@ -71,7 +72,7 @@ def grade(
     Raises
     ------
     StudyError
-        With all that is missing or wrong: in the rubric, the scenario, the submissions, the seeds, or the fence.
+        With all that is missing or wrong: rubric, scenario, submissions, seeds, fence, or a folder that is not empty.
     RunError
         If a file cannot be written.
     """
@@ -133,6 +134,7 @@ def _prepare(
                 problems.append(str(error))
             return None
 
+    tried(lambda: check_free(out))
     rubric = tried(lambda: read_rubric(path))
     drawn = None if seeds is None else tried(lambda: read_seeds(seeds))
     problems += [problem for each in submissions if (problem := _no_submission(each))]

@@ -58,7 +58,11 @@ def test_a_graded_controller_drives_as_it_does_in_a_run(course: Path) -> None:
 @pytest.mark.long
 def test_a_fence_changes_no_result(course: Path) -> None:
     course.write_text(practice(11, 12))
-    fenced, free = (graded(course, fence=fence, good=GOOD)["good"] for fence in (True, False))
+    (course.parent / "good.py").write_text(GOOD)
+    fenced, free = (
+        grade(course, [course.parent / "good.py"], course.parent / f"grades-{fence}", fence=fence)[0]
+        for fence in (True, False)
+    )
     assert [case.values for case in fenced.cases] == [case.values for case in free.cases]
     assert fenced.total == free.total > 8.0
 
