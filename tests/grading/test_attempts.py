@@ -69,7 +69,7 @@ def drive(readings, estimate, clock):
     return am.Twist(0.4 if estimate.x < 2.2 else 0.0, 0.0)
 """)
 NO_FILE = "FileNotFoundError"
-READ_ONLY = "Read-only file system"
+READ_ONLY = "Read-only file system|PermissionError"
 NO_PROCESS = "ProcessLookupError|No such process"
 
 
@@ -139,14 +139,6 @@ CHANGING = {
         "AssertionError",
     ),
     "its root": Attempt("os.chroot('/proc/1/root')", "PermissionError"),
-    "memory for all": Attempt(
-        "for number in range(40):\n    pathlib.Path(f'/dev/shm/{number}').write_bytes(bytes(50_000_000))",
-        "No space left",
-    ),
-    "the disk": Attempt(
-        "for number in range(40):\n    pathlib.Path(f'{number}').write_bytes(bytes(50_000_000))", "No space left"
-    ),
-    "a large file": Attempt("pathlib.Path('large').write_bytes(bytes(200_000_000))", "File too large"),
     "leaving a note": Attempt(
         "for each in ('/tmp/note', '/dev/shm/note', 'note'):\n"
         "    pathlib.Path(each).write_text('')\n"
@@ -170,8 +162,9 @@ PROCESSES = {
         for kind in ("CPU", "NOFILE", "AS", "FSIZE")
     },
     "anybody's limit": Attempt(
+        "own = set(map(int, os.listdir('/proc/self/task')))\n"
         "for each in range(2, 1 << 16):\n"
-        "    if each != os.getpid():\n"
+        "    if each not in own:\n"
         "        try:\n"
         "            return resource.prlimit(each, resource.RLIMIT_CPU)\n"
         "        except ProcessLookupError:\n"
@@ -210,6 +203,14 @@ TAKING = {
     "no end": Attempt("os.closerange(0, 20)\ntime.sleep(60.0)", "took longer than 2 s in all"),
 }
 MUCH = {
+    "memory for all": Attempt(
+        "for number in range(40):\n    pathlib.Path(f'/dev/shm/{number}').write_bytes(bytes(50_000_000))",
+        "No space left",
+    ),
+    "the disk": Attempt(
+        "for number in range(40):\n    pathlib.Path(f'{number}').write_bytes(bytes(50_000_000))", "No space left"
+    ),
+    "a large file": Attempt("pathlib.Path('large').write_bytes(bytes(200_000_000))", "File too large"),
     "forks": Attempt("while True:\n    os.fork()", "more than 512 processes|more memory than"),
     "threads": Attempt(
         "import threading\n"
