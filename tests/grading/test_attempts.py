@@ -378,7 +378,7 @@ def test_these_attempts_succeed_without_a_fence(course: Path, name: str) -> None
     attempts = {what: attempt for what, attempt in GROUPS[name].items() if attempt.succeeds}
     paths = write(course, attempts)
     found = grade(course, list(paths.values()), course.parent / "grades", fence=False)
-    assert len(found) >= 9
+    assert len(found) > 5
     assert {what: each.cases[0].problem for what, each in zip(paths, found, strict=True) if each.total < 8.0} == {}
 
 
