@@ -22,7 +22,8 @@ from amorsim.contracts import (
     State,
 )
 from amorsim.controllers.driving import command_along, joints_of
-from amorsim.core.errors import ControllerError, did_you_mean
+from amorsim.core.errors import ControllerError
+from amorsim.core.one_robot import PoseVector, RobotReading, RobotReadings
 from amorsim.core.trouble import RAISED, in_words
 from amorsim.core.user_code import UserCode
 
@@ -57,34 +58,6 @@ class WheelSpeeds:
 
     left: float = 0.0
     right: float = 0.0
-
-
-class PoseVector(np.ndarray[Any, np.dtype[np.float64]]):
-    """A pose as an array `(3,)` whose elements also have names."""
-
-    @property
-    def x(self) -> float:
-        """To the right in the world [m]."""
-        return float(self[0])
-
-    @property
-    def y(self) -> float:
-        """Up in the world [m]."""
-        return float(self[1])
-
-    @property
-    def heading(self) -> float:
-        """Anticlockwise from the world's x axis [rad]."""
-        return float(self[2])
-
-
-class RobotReading(NamedTuple):
-    """A sensor's reading, of one robot."""
-
-    measured: Array  # (k,) in the sensor's unit
-    stamp: int  # the tick at which the values were taken
-    age: float  # [s], since then
-    fresh: bool  # whether they arrived in this step
 
 
 class RobotEstimate(NamedTuple):
@@ -136,7 +109,7 @@ class UserController(UserCode, Controller):
     kind: ClassVar[str] = "controller"
     signature: ClassVar[str] = "command(self, readings, estimate, clock)"
 
-    def failed(self, message: str, name: str) -> ControllerError:
+    def failure(self, message: str, name: str) -> ControllerError:
         """A `ControllerError` of the robot `name`."""
         return ControllerError(message, robot=name)
 
@@ -178,48 +151,15 @@ class UserController(UserCode, Controller):
         return answers.command()
 
 
-class _RobotReadings(Mapping[str, RobotReading]):
-    """The readings of one robot by sensor, each made at its first use; the error for an unknown name lists the sensors.
-
-    A robot's code uses few of its sensors in a step.
-    """
-
-    __slots__ = ("_made", "_of_all", "_row")
-
-    def __init__(self, of_all: Mapping[str, Measurement], row: int) -> None:
-        self._of_all = of_all
-        self._row = row
-        self._made: dict[str, RobotReading] = {}
-
-    def __getitem__(self, name: str) -> RobotReading:
-        if name not in self._made:
-            if name not in self._of_all:
-                known = ", ".join(self) or "none"
-                raise KeyError(f"there is no sensor {name!r}, but: {known}.{did_you_mean(name, self._of_all)}")
-            measured, stamp, age, fresh = self._of_all[name]
-            row = self._row
-            self._made[name] = RobotReading(measured[row].copy(), stamp.item(row), age.item(row), fresh.item(row))
-        return self._made[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._of_all)
-
-    def __len__(self) -> int:
-        return len(self._of_all)
-
-    def __repr__(self) -> str:
-        return repr(dict(self))
-
-
 def _by_robot(
     readings: Mapping[str, Measurement], estimate: Estimate, clock: Clock
-) -> Iterator[tuple[_RobotReadings, RobotEstimate, RobotClock]]:
+) -> Iterator[tuple[RobotReadings, RobotEstimate, RobotClock]]:
     """What each robot's code gets; of copies, so that it may keep and change them."""
     now = dict(readings)  # a robot that keeps its readings keeps those of this step
     estimates = map(RobotEstimate, estimate.pose.copy().view(PoseVector), estimate.covariance.copy())
     clocks = map(RobotClock, clock.tick[:, 0].tolist(), clock.time[:, 0].tolist(), itertools.repeat(float(clock.dt)))
     for row, (believed, time) in enumerate(zip(estimates, clocks, strict=True)):
-        yield _RobotReadings(now, row), believed, time
+        yield RobotReadings(now, row), believed, time
 
 
 class _Answers:

@@ -24,7 +24,9 @@ Objects = npt.NDArray[Any]
 
 @attrs.frozen(kw_only=True)
 class UserCode:
-    """The common part of user-written controllers and motions: makes the objects, calls them, and reports failures.
+    """The common part of what users write themselves: makes the objects, calls them, and reports failures.
+
+    It also takes the place of a component in a user's file until that file is loaded.
 
     Parameters
     ----------
@@ -36,26 +38,33 @@ class UserCode:
         Names and values of its keyword arguments.
     """
 
-    kind: ClassVar[str]  # what messages call it
-    signature: ClassVar[str]  # of the method that a class must have: "velocity(self, obstacle)"
+    kind: ClassVar[str]  # of component, as messages call it
+    signature: ClassVar[str] = ""  # of the method that a plain class must have: "velocity(self, obstacle)"
 
     source: str = parameter(static=True, help="where it comes from, as in file.py:name")
     function: Any = attrs.field()
     options: tuple[tuple[str, Any], ...] = attrs.field(default=())
 
-    def failed(self, message: str, name: str) -> AmorsimError:
+    def failure(self, message: str, name: str) -> AmorsimError:
         """The exception of its kind for a failure with the robot or obstacle `name` (empty: not known)."""
         return AmorsimError(message)
 
-    def make_objects(self, rows: int, who: Callable[[int], str]) -> dict[str, Objects]:
+    def idle(self) -> Any:
+        """A function or class that does nothing, for looking at a scenario without running the user's code."""
+        return _nothing
+
+    def make_objects(
+        self, rows: int, who: Callable[[int], str], made_with: Callable[[int], Mapping[str, Any]] | None = None
+    ) -> dict[str, Objects]:
         """The state at the start: ``"objects"`` `(N,)`, one of the class for each row; empty for a function.
 
-        `who` gives the name of a row's robot or obstacle for messages. Raises the exception of `failed` if the code
-        cannot be called, or an object cannot be made or lacks the method.
+        `who` gives the name of a row's robot or obstacle for messages, `made_with` what its object gets in addition to
+        the options. Raises the exception of `failure` if the code cannot be called, or an object cannot be made or lacks
+        the method.
         """
         what = self.title
         if not callable(self.function):
-            raise self.failed(f"{what}: expected a function or a class, got {in_words(self.function)}", "")
+            raise self.failure(f"{what}: expected a function or a class, got {in_words(self.function)}", "")
         if not inspect.isclass(self.function):
             return {}
         options = dict(self.options)
@@ -63,20 +72,24 @@ class UserCode:
         here = present_folder()
         for row in range(rows):
             try:
-                objects[row] = self.function(**options)
+                objects[row] = self.function(**(made_with(row) if made_with else {}), **options)
             except RAISED as error:
-                raise self.failed(
+                raise self.failure(
                     f"{what}: making its object for {who(row)} with the options {options} raised "
                     f"{error_in_words(error)}",
                     "",
                 ) from error
             if not callable(getattr(objects[row], self._method, None)):
-                raise self.failed(
+                raise self.failure(
                     f"{what}: the class {self.function.__name__} has no method {self.signature}",
                     "",
                 )
         go_back(here, what)
         return {"objects": objects}
+
+    def try_out(self) -> None:
+        """Make an object of a class, as at a start; what is raised is as for `make_objects`."""
+        self.make_objects(1, lambda _: "a try")
 
     @property
     def title(self) -> str:
@@ -96,9 +109,14 @@ class UserCode:
         call = functools.partial(self.function, **dict(self.options))
         return lambda _: call
 
-    def raised(self, error: BaseException, who: str, time: float, name: str) -> AmorsimError:
-        """The exception to raise for one that the user's code raised."""
-        return self.failed(f"{self.title} of {who} at {time:g} s raised {error_in_words(error)}", name)
+    def raised(self, error: BaseException, who: str, time: float | None, name: str) -> AmorsimError:
+        """The exception to raise for one that the user's code raised, at a time [s] if that is known."""
+        when = "" if time is None else f" at {time:g} s"
+        return self.failure(f"{self.title} of {who}{when} raised {error_in_words(error)}", name)
+
+
+def _nothing(*_: Any, **__: Any) -> None:
+    """Stop, or stand."""
 
 
 def present_folder() -> str | None:

@@ -48,7 +48,7 @@ class UserMotion(UserCode, Motion):
     kind: ClassVar[str] = "motion"
     signature: ClassVar[str] = "velocity(self, obstacle)"
 
-    def failed(self, message: str, name: str) -> ComponentError:
+    def failure(self, message: str, name: str) -> ComponentError:
         """A `ComponentError`."""
         return ComponentError(message)
 

@@ -12,10 +12,11 @@ from typing import IO, Any
 
 import attrs
 
-from amorsim.core.errors import AmorsimError
+from amorsim.core.errors import AmorsimError, ScenarioError
 from amorsim.core.trouble import error_in_words
 from amorsim.core.user_code import UserCode
 from amorsim.scenario.program_text import Program
+from amorsim.scenario.programs import made_of
 
 __all__ = ["main"]
 
@@ -56,12 +57,16 @@ class _Answers:
 
 
 def _check(answers: _Answers, component: UserCode) -> str:
-    """What is wrong with a controller or a motion, or nothing."""
+    """What is wrong with a component, or nothing."""
     program: Program = component.function
     try:
-        function = program.load(dict(component.options))
+        program.load(dict(component.options))
         answers.say(loaded=True)
-        attrs.evolve(component, function=function).make_objects(1, lambda _: "a try")
+        made = made_of(component)
+        if isinstance(made, UserCode):
+            made.try_out()
+    except ScenarioError as error:
+        return "; ".join(str(attrs.evolve(fault, file="", named=fault.path.rpartition(".")[2])) for fault in error.faults)
     except AmorsimError as error:
         return str(error)
     except BaseException as error:  # Ctrl-C is not for this process

@@ -7,23 +7,14 @@ from typing import Any
 import attrs
 
 from amorsim.contracts import Drive, Estimator, Motion, Mount, Sensor
-from amorsim.controllers.user import UserController
-from amorsim.core.errors import ControllerError, PluginError
+from amorsim.core.errors import PluginError
 from amorsim.core.parameters import ParameterError
-from amorsim.motions.user import UserMotion
 from amorsim.plugins.registry import KINDS, Registry
 from amorsim.scenario.columns import column_problem, columns_problem, not_for_sensors
-from amorsim.scenario.controller_files import (
-    CONTROLLER,
-    MOTION,
-    is_controller_file,
-    split_reference,
-)
 from amorsim.scenario.faults import Node
 from amorsim.scenario.fields import file_fields, read_component, read_fields
-from amorsim.scenario.program_text import check_program
 from amorsim.scenario.spec import MountedSensor, NoiseElement, Recording
-from amorsim.scenario.values import check_values
+from amorsim.scenario.user_components import USER_CODE, program_in, read_program_in
 
 __all__ = [
     "read_chain",
@@ -44,16 +35,13 @@ def read_drive(node: Node, registry: Registry) -> Drive | None:
 
 
 def read_estimator(node: Node, registry: Registry) -> Estimator | None:
-    """The estimator in a table."""
+    """The estimator in a table: a registered one, or ``use = "file.py:name"`` with its own options."""
     return _read(node, "estimator", registry, ("use",))  # type: ignore[no-any-return]
 
 
 def read_motion(node: Node, registry: Registry) -> Motion | None:
     """The motion in a table: a registered one, or ``use = "file.py:name"`` with its own options."""
-    own = _read_own(node, MOTION)
-    if own is None:
-        return _read(node, "motion", registry, ("use",))  # type: ignore[no-any-return]
-    return UserMotion(**own) if own else None
+    return _read(node, "motion", registry, ("use",))  # type: ignore[no-any-return]
 
 
 def read_sensor(node: Node, registry: Registry) -> MountedSensor | None:
@@ -145,29 +133,7 @@ def _free_name(use: str, taken: set[str], given: list[Any]) -> str:
 
 def read_controller(node: Node, registry: Registry) -> Any:
     """The controller in a table: a registered one, or ``use = "file.py:name"`` with its own options."""
-    own = _read_own(node, CONTROLLER)
-    if own is None:
-        return _read(node, "controller", registry, ("use",))
-    return UserController(**own) if own else None
-
-
-def _read_own(node: Node, arguments: tuple[str, ...]) -> dict[str, Any] | None:
-    """What ``use = "file.py:name"`` means, nothing after faults, or None if the table does not say that."""
-    use = node.value.get("use") if node.is_table else None
-    if not isinstance(use, str) or not is_controller_file(use):
-        return None
-    options = {key: value for key, value in node.value.items() if key != "use"}
-    if not check_values(node, ("use",)):
-        return {}
-    use_node = node.child("use")
-    try:
-        path, name = split_reference(use, use_node.folder)
-        program = check_program(path, name, options, arguments)
-    except ControllerError as error:
-        use_node.fault(str(error))
-        return {}
-    program = attrs.evolve(program, place=use_node.book.at(use_node.path, "", use_node.value))
-    return {"source": f"{path}:{name}", "function": program, "options": tuple(options.items())}
+    return _read(node, "controller", registry, ("use",))
 
 
 def read_recording(node: Node, registry: Registry) -> Recording | None:
@@ -205,5 +171,7 @@ def _class(node: Node, kind: str, registry: Registry) -> type[Any] | None:
 
 def _read(node: Node, kind: str, registry: Registry, beside: tuple[str, ...], sensor_unit: str = "") -> Any:
     assert kind in KINDS
+    if kind in USER_CODE and program_in(node):
+        return read_program_in(node, kind)
     cls = _class(node, kind, registry)
     return None if cls is None else read_component(cls, node, sensor_unit=sensor_unit, beside=beside)

@@ -1,4 +1,4 @@
-"""Controllers in files of the user: ``"my_controller.py:Wander"``, a class or a plain function."""
+"""Components in files of the user: ``"my_controller.py:Wander"``, a component, a plain class or a function."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ import inspect
 import os
 import sys
 import traceback
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 
 from amorsim.core.errors import ControllerError, did_you_mean
 from amorsim.core.reading import no_such_file, read_bytes, reason
@@ -20,19 +20,57 @@ from amorsim.core.user_code import go_back, present_folder
 from amorsim.scenario.beside import files_beside, make_importable
 
 __all__ = [
+    "FORMS",
+    "Form",
     "check_arguments",
     "is_controller_file",
     "load_controller",
+    "load_program",
     "no_such_name",
+    "not_a_component",
     "read_program",
+    "reference_of_class",
     "reference_to",
     "split_reference",
+    "tables_of_programs",
 ]
+
+_MODULE = "amorsim_controller_"  # begins the names of the modules that files are loaded as
+
+
+class Form(NamedTuple):
+    """How code of a kind may be written without being a component: what it gets besides its options."""
+
+    function: tuple[str, ...]
+    """What a function is called with before its options; empty if no function will do."""
+    made_with: tuple[str, ...] = ()
+    """Further keyword arguments with which each object of a class is made."""
+
+
+FORMS = {
+    "controller": Form(("readings", "estimate", "clock")),
+    "motion": Form(("obstacle",)),
+    "estimator": Form((), ("start",)),
+    "planner": None,
+    "recorder": None,
+    "metric": None,
+}
+"""The kinds of component that a file may have; None where only a component will do."""
 
 
 def is_controller_file(use: str) -> bool:
-    """Whether the name of a controller means a file rather than a registered controller."""
+    """Whether the name of a component means a file rather than a registered component."""
     return ".py:" in use or use.endswith(".py")
+
+
+def tables_of_programs(value: Any) -> Iterator[dict[str, Any]]:
+    """The tables within a table, however deep, that name a component in a file under ``use``."""
+    if isinstance(value, dict):
+        if is_controller_file(str(value.get("use", ""))):
+            yield value
+        value = list(value.values())
+    for item in value if isinstance(value, list) else ():
+        yield from tables_of_programs(item)
 
 
 def split_reference(use: str, folder: Path) -> tuple[Path, str]:
@@ -45,6 +83,14 @@ def split_reference(use: str, folder: Path) -> tuple[Path, str]:
     return Path(os.path.abspath(folder / file)), name  # noqa: PTH100 - a link keeps the name that it was given
 
 
+def reference_of_class(cls: type) -> str:
+    """``"FILE.py:NAME"`` of a class of components that a file can name so, empty for any other.
+
+    It stands at the top of a file that does not belong to a package; a script is no such file, for it would run again.
+    """
+    return "" if "." in cls.__module__ or cls.__module__ == "__main__" else reference_to(cls)
+
+
 def reference_to(thing: Any) -> str:
     """``"FILE.py:NAME"`` of a function or class that stands at the top of a file of Python; nothing for any other."""
     module = sys.modules.get(getattr(thing, "__module__", None) or "")
@@ -55,16 +101,25 @@ def reference_to(thing: Any) -> str:
     return f"{Path(file).absolute()}:{name}"
 
 
-CONTROLLER = ("readings", "estimate", "clock")
-"""What a function that is a controller is called with."""
-MOTION = ("obstacle",)
-"""What a function that is a motion is called with."""
+def load_controller(path: Path, name: str, options: Mapping[str, Any], kind: str = "controller") -> Any:
+    """The function or plain class called `name` in a Python file, which must take `options` as keyword arguments.
+
+    Raises
+    ------
+    ControllerError
+        As `load_program` does, or if it does not take the options.
+    """
+    found = load_program(path, name)
+    try:
+        signature = inspect.signature(found)
+    except (TypeError, ValueError):  # written in C: nothing to check against
+        return found
+    check_arguments(path, name, signature, inspect.isclass(found), options, kind)
+    return found
 
 
-def load_controller(path: Path, name: str, options: Mapping[str, Any], arguments: tuple[str, ...] = CONTROLLER) -> Any:
-    """The function or class called `name` in a Python file, which must take `options` as keyword arguments.
-
-    A function takes `arguments` before them.
+def load_program(path: Path, name: str) -> Any:
+    """The function or class called `name` in a Python file.
 
     The file is run as a module of its own; one that says the same is run once in a process. It may import
     what lies next to it.
@@ -72,8 +127,8 @@ def load_controller(path: Path, name: str, options: Mapping[str, Any], arguments
     Raises
     ------
     ControllerError
-        If the file is not there, is not Python, raises when it is run, has no such name, or does not take the
-        options; the line is named where there is one.
+        If the file is not there, is not Python, raises when it is run, or has no such function or class; the line is
+        named where there is one.
     """
     module = _load_module(path)
     found = vars(module).get(name)
@@ -81,11 +136,6 @@ def load_controller(path: Path, name: str, options: Mapping[str, Any], arguments
         raise no_such_name(path, name, [key for key, value in vars(module).items() if callable(value)])
     if not callable(found):
         raise ControllerError(f"{name!r} in {path} is neither a function nor a class, but {in_words(found)}")
-    try:
-        signature = inspect.signature(found)
-    except (TypeError, ValueError):  # written in C: nothing to check against
-        return found
-    check_arguments(path, name, signature, inspect.isclass(found), options, arguments)
     return found
 
 
@@ -112,7 +162,7 @@ def _load_module(path: Path) -> ModuleType:
     said = [data, *(part for name, file in beside.items() for part in (name.encode(), file.read_bytes()))]
     digest = hashlib.blake2b(b"\0".join([str(path).encode(), *said]), digest_size=8).hexdigest()
     # Named after what it says: an edited file is another module; pickled objects of the old one stay whole.
-    module_name = f"amorsim_controller_{digest}"
+    module_name = f"{_MODULE}{digest}"
     if module_name in sys.modules:
         return sys.modules[module_name]
     spec = importlib.util.spec_from_file_location(module_name, path)
@@ -144,22 +194,31 @@ def _text(error: BaseException) -> str:
     return f"{type(error).__name__}: {error.msg}" if isinstance(error, SyntaxError) else error_in_words(error)
 
 
+def not_a_component(path: Path, name: str, kind: str) -> ControllerError:
+    """What to raise where the code of a kind that must be a component is none."""
+    return ControllerError(
+        f"{path}: {name}: expected a subclass of am.{kind.capitalize()}, a {kind} in a file has no simpler form"
+    )
+
+
 def check_arguments(
-    path: Path,
-    name: str,
-    signature: inspect.Signature,
-    is_class: bool,
-    options: Mapping[str, Any],
-    arguments: tuple[str, ...],
+    path: Path, name: str, signature: inspect.Signature, is_class: bool, options: Mapping[str, Any], kind: str
 ) -> None:
-    """Raise `ControllerError` unless a function or a class of this signature takes the options."""
-    # A class is made with the options alone, a function called with them after its arguments.
-    leading = () if is_class else (None,) * len(arguments)
+    """Raise `ControllerError` unless a function or a plain class of this signature takes the options."""
+    form = FORMS[kind]
+    if form is None:
+        raise not_a_component(path, name, kind)
+    if not is_class and not form.function:
+        raise ControllerError(f"{path}: {name}: expected a class, as an {kind} remembers; got a function")
+    # A class is made with keyword arguments alone, a function called with the options after its arguments.
+    leading = () if is_class else (None,) * len(form.function)
+    own = dict.fromkeys(form.made_with) if is_class else {}
     try:
-        signature.bind(*leading, **options)
+        signature.bind(*leading, **own, **options)
     except TypeError as error:
         known = [parameter.name for parameter in list(signature.parameters.values())[len(leading) :]]
         unknown = [option for option in options if option not in known]
         hint = did_you_mean(unknown[0], known) if unknown else ""
-        call = f"{name}({', '.join(known)})" if not leading else f"{name}({', '.join(arguments)}, **options)"
+        of_class = dict.fromkeys([*form.made_with, *known])
+        call = f"{name}({', '.join(form.function)}, **options)" if leading else f"{name}({', '.join(of_class)})"
         raise ControllerError(f"{path}: {name}{signature} cannot be called as {call}: {error}.{hint}") from error

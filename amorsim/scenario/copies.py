@@ -13,7 +13,6 @@ from amorsim.core.errors import MapError, RunError
 from amorsim.core.map import Map
 from amorsim.core.whole_files import copy_file, write_text
 from amorsim.scenario.beside import files_beside
-from amorsim.scenario.controller_files import is_controller_file
 from amorsim.scenario.maps import MapFile, companions_of, save_map
 
 __all__ = ["Copies"]
@@ -77,13 +76,11 @@ class Copies:
             return True
 
     def of_program(self, component: dict[str, Any]) -> None:
-        """Name the copy of the user's file that a component's table means, if it does."""
-        use = component.get("use", "")
-        if is_controller_file(use):
-            file, _, name = use.rpartition(":")
-            component["use"] = f"{self.of(file)}:{name}"
-            for key, beside in files_beside(Path(file)).items():
-                self._of_import(key, beside)
+        """Name the copy of the user's file that a component's table means."""
+        file, _, name = component["use"].rpartition(":")
+        component["use"] = f"{self.of(file)}:{name}"
+        for key, beside in files_beside(Path(file)).items():
+            self._of_import(key, beside)
 
     def _of_import(self, key: str, path: Path) -> None:
         """Copy a file that a program imports from its folder, under its own name, for the import names it."""

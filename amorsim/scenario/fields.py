@@ -18,11 +18,15 @@ import attrs
 from amorsim.core.errors import PluginError
 from amorsim.core.parameters import Parameter, ParameterError, check_value, describe
 from amorsim.core.trouble import RAISED, error_in_words, in_words
+from amorsim.core.user_code import UserCode
 from amorsim.plugins.manager import default_registry
+from amorsim.plugins.registry import Registry
 from amorsim.scenario.angles import to_degrees, to_radians
+from amorsim.scenario.controller_files import reference_of_class
 from amorsim.scenario.faults import Node, shown
+from amorsim.scenario.user_components import USER_CODE, program_in, read_program_in
 
-__all__ = ["NONE", "default_in_file", "file_fields", "in_file", "read_component", "read_fields", "write_fields"]
+__all__ = ["NONE", "default_in_file", "file_fields", "in_file", "read_component", "read_fields", "write_component", "write_fields"]
 
 NONE = "none"
 _MOST = 2**63 - 1
@@ -129,6 +133,9 @@ def _read_component_of(node: Node, parameter: Parameter) -> Any:
     table = f"a table with use = one of: {', '.join(registry.names(kind))}"
     if not node.expect_table(f'{table}, or "{NONE}"' if parameter.is_optional else table):
         return _BAD
+    if program_in(node) and issubclass(USER_CODE[kind], parameter.contract):
+        own = read_program_in(node, kind)
+        return _BAD if own is None else own
     name = node.child("use").text(f"the name of a {kind}")
     if name is None:
         return _BAD
@@ -206,6 +213,32 @@ def _plain(kind: Any, value: Any) -> Any:
     return value
 
 
+def write_component(kind: str, component: Any, registry: Registry, unit: str = "") -> dict[str, Any]:
+    """The table of a component: its name in files, and its fields.
+
+    Raises
+    ------
+    PluginError
+        If no file can name it.
+    ParameterError
+        If that is so of a component within it.
+    """
+    if isinstance(component, UserCode):
+        if component.source:
+            return {"use": component.source, **dict(component.options)}
+        name = getattr(component.function, "__qualname__", repr(component.function))
+        raise PluginError(
+            f"{name} was given as an object, so a file cannot name it; put it into a file of its own, and say use = "
+            f"'FILE.py:{name}'"
+        )
+    name = registry.name_of(kind, type(component)) or (reference_of_class(type(component)) if kind in USER_CODE else "")
+    if not name:
+        what = f"{type(component).__module__}.{type(component).__qualname__}"
+        remedy = "register it in a plugin" + (", or put it into a file of its own" if kind in USER_CODE else "")
+        raise PluginError(f"{what} is no {kind} that is registered, so a file cannot name it; {remedy}")
+    return {"use": name, **write_fields(component, unit)}
+
+
 def write_fields(component: Any, sensor_unit: str = "", names: Iterable[str] | None = None) -> dict[str, Any]:
     """All fields of a component as a file has them; what is None by default, and is so, is left out."""
     written = {}
@@ -221,12 +254,10 @@ def write_fields(component: Any, sensor_unit: str = "", names: Iterable[str] | N
 
 def _write_value(value: Any, parameter: Parameter) -> Any:
     if parameter.component and value is not None:
-        name = default_registry().name_of(parameter.component, type(value))
-        if name is None:
-            what = f"{type(value).__module__}.{type(value).__qualname__}"
-            problem = f"{what} is no {parameter.component} that is registered, so a file cannot name it"
-            raise ParameterError(parameter.name, f"{problem}; register it in a plugin")
-        return {"use": name, **write_fields(value)}
+        try:
+            return write_component(parameter.component, value, default_registry())
+        except PluginError as error:
+            raise ParameterError(parameter.name, str(error)) from None
     return _written(value, parameter.type, parameter.is_angle)
 
 

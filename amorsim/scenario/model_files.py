@@ -13,7 +13,7 @@ from amorsim.core.whole_files import write_text
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.components import read_sensor
-from amorsim.scenario.controller_files import is_controller_file
+from amorsim.scenario.controller_files import tables_of_programs
 from amorsim.scenario.data_files import files_of_robot, files_of_sensor
 from amorsim.scenario.devices import load_device
 from amorsim.scenario.elsewhere import near
@@ -145,10 +145,9 @@ def _named(table: dict[str, Any], files: Iterable[tuple[dict[str, Any], str]], t
     folder = target.absolute().parent
     for holder, key in files:
         holder[key] = near(Path(holder[key]), folder)
-    controller = table.get("controller", {})
-    if is_controller_file(controller.get("use", "")):
-        file, _, name = controller["use"].rpartition(":")
-        controller["use"] = f"{near(Path(file), folder)}:{name}"
+    for program in tables_of_programs(table):
+        file, _, name = program["use"].rpartition(":")
+        program["use"] = f"{near(Path(file), folder)}:{name}"
     return table
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from amorsim.scenario.controller_files import is_controller_file
+from amorsim.scenario.controller_files import tables_of_programs
 from amorsim.scenario.data_files import files_of_scenario
 from amorsim.scenario.spec import Scenario
 
@@ -36,10 +36,8 @@ def name_from(folder: Path, document: Document, scenario: Scenario) -> None:
             return name
 
     rename_maps(document, near)
-    motions = [obstacle.get("motion", {}) for obstacle in document.get("obstacles", ())]
-    for program in (*(robot.get("controller", {}) for robot in document["robots"]), *motions):
-        if is_controller_file(program.get("use", "")):
-            file, _, name = program["use"].rpartition(":")
-            program["use"] = f"{near(file)}:{name}"
+    for program in tables_of_programs(document):
+        file, _, name = program["use"].rpartition(":")
+        program["use"] = f"{near(file)}:{name}"
     for table, key in files_of_scenario(scenario, document):
         table[key] = near(table[key])

@@ -12,10 +12,11 @@ from typing import Any
 import attrs
 
 from amorsim.core.errors import ControllerError, Fault
+from amorsim.plugins.registry import KINDS
 from amorsim.scenario.controller_files import (
-    CONTROLLER,
     check_arguments,
     load_controller,
+    load_program,
     no_such_name,
     read_program,
 )
@@ -33,26 +34,32 @@ class Program:
     ----------
     path, name
         The file, and the name in it.
-    arguments
-        What a function is called with before its options.
+    kind
+        Of which component it is: ``"controller"``, ``"estimator"`` ...
     place
         Where a scenario names it, for faults.
+    folder
+        Where relative paths among its options start.
     """
 
     path: Path
     name: str
-    arguments: tuple[str, ...] = attrs.field(default=CONTROLLER, repr=False)
+    kind: str = attrs.field(default="controller", repr=False)
     place: Fault | None = attrs.field(default=None, eq=False, repr=False)
+    folder: Path = attrs.field(factory=Path, eq=False, repr=False)
 
     def load(self, options: Mapping[str, Any]) -> Any:
-        """The function or class itself: the file is run.
+        """The function or class itself: the file is run. The options of a component are not checked yet.
 
         Raises
         ------
         ControllerError
             As `load_controller` does.
         """
-        return load_controller(self.path, self.name, options, self.arguments)
+        found = load_program(self.path, self.name)
+        if isinstance(found, type) and issubclass(found, KINDS[self.kind]):
+            return found
+        return load_controller(self.path, self.name, options, self.kind)
 
     def fault(self, message: str) -> Fault:
         """What is wrong with it, at the place that names it."""
@@ -66,9 +73,7 @@ class Program:
         )
 
 
-def check_program(
-    path: Path, name: str, options: Mapping[str, Any], arguments: tuple[str, ...] = CONTROLLER
-) -> Program:
+def check_program(path: Path, name: str, options: Mapping[str, Any], kind: str = "controller") -> Program:
     """The function or class called `name` in a Python file, which must take `options`; nothing runs.
 
     Raises
@@ -97,8 +102,8 @@ def check_program(
     definition = found.get(name)
     signature = None if definition is None else _signature(definition)
     if definition is not None and signature is not None:
-        check_arguments(path, name, signature, isinstance(definition, ast.ClassDef), options, arguments)
-    return Program(path, name, arguments)
+        check_arguments(path, name, signature, isinstance(definition, ast.ClassDef), options, kind)
+    return Program(path, name, kind)
 
 
 def _names(body: Iterable[ast.stmt]) -> Iterator[tuple[str, _Definition | None]]:

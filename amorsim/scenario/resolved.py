@@ -9,16 +9,14 @@ from typing import Any
 
 import attrs
 
-from amorsim.controllers.user import UserController
 from amorsim.core.errors import Fault, PluginError, ScenarioError
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
-from amorsim.motions.user import UserMotion
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.bodies import write_shape
 from amorsim.scenario.deviations import write_deviations
-from amorsim.scenario.fields import write_fields
+from amorsim.scenario.fields import write_component, write_fields
 from amorsim.scenario.floor import Floor
 from amorsim.scenario.floor_file import write_floor
 from amorsim.scenario.generated import write_generated
@@ -143,22 +141,12 @@ class _Writer:
 
     def _component(self, kind: str, component: Any, path: str, unit: str = "") -> dict[str, Any]:
         try:
-            name = self._registry.name_of(kind, type(component))
+            return write_component(kind, component, self._registry, unit)
         except PluginError as error:
             self._fault(path, str(error))
-            return {}
-        if name is None:
-            what = f"{type(component).__module__}.{type(component).__qualname__}"
-            self._fault(
-                path,
-                f"{what} is no {kind} that is registered, so a file cannot name it; register it in a plugin",
-            )
-            return {}
-        try:
-            return {"use": name, **write_fields(component, unit)}
         except ParameterError as error:  # of a component within it
             self._fault(f"{path}.{error.name}", error.problem)
-            return {}
+        return {}
 
     def _map(self, found: Map, path: str) -> dict[str, Any]:
         file = found.source
@@ -240,7 +228,7 @@ class _Writer:
         """What a model may say of a robot."""
         written: dict[str, Any] = {"shape": self._shape(robot.shape, path)}
         if robot.controller is not None:
-            written["controller"] = self._controller(robot.controller, f"{path}.controller")
+            written["controller"] = self._component("controller", robot.controller, f"{path}.controller")
         written["on_collision"] = robot.on_collision
         written.update(write_fields(robot, names=LOOKS))
         if robot.ground:
@@ -286,19 +274,6 @@ class _Writer:
             written.append({"use": fields.pop("use", ""), "name": element.name, **column, **fields})
         return written
 
-    def _controller(self, controller: Any, path: str, kind: str = "controller") -> dict[str, Any]:
-        if not isinstance(controller, (UserController, UserMotion)):
-            return self._component(kind, controller, path)
-        if controller.source:
-            return {"use": controller.source, **dict(controller.options)}
-        name = getattr(controller.function, "__qualname__", repr(controller.function))
-        self._fault(
-            path,
-            f"{name} was given as an object, so a file cannot name it; put it into a file of its own, and "
-            f"say use = 'FILE.py:{name}'",
-        )
-        return {}
-
     def _obstacle(self, obstacle: Obstacle, path: str) -> dict[str, Any]:
         written: dict[str, Any] = {"name": obstacle.name, "shape": self._shape(obstacle.shape, path)}
         if obstacle.start is not None:
@@ -307,7 +282,7 @@ class _Writer:
             written["pose"] = write_fields(obstacle.pose)
         written.update(write_fields(obstacle, names=LOOKS))
         if obstacle.motion is not None:
-            written["motion"] = self._controller(obstacle.motion, f"{path}.motion", "motion")
+            written["motion"] = self._component("motion", obstacle.motion, f"{path}.motion")
         return written
 
     def _zone(self, zone: Zone, path: str) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from tomlkit.items import Array, Float, InlineTable, Item, Table, Trivia
 from amorsim.core.map import Map
 from amorsim.core.whole_files import write_text
 from amorsim.scenario.angles import LongDegrees
+from amorsim.scenario.controller_files import tables_of_programs
 from amorsim.scenario.copies import Copies
 from amorsim.scenario.data_files import files_of_scenario
 from amorsim.scenario.maps import MapFile
@@ -149,9 +150,8 @@ def with_copies(scenario: Scenario, folder: str | Path) -> dict[str, Any]:
     for (robot, *_), written in zip(series_of(scenario.robots), table["robots"], strict=True):
         if robot.knowledge.map is not None and isinstance(robot.knowledge.map.source, MapFile):
             written["knowledge"]["map"] = copies.of_map(robot.knowledge.map.source)
-        copies.of_program(written.get("controller", {}))
-    for written in table.get("obstacles", ()):
-        copies.of_program(written.get("motion", {}))
+    for program in tables_of_programs(table):
+        copies.of_program(program)
     for written, key in files_of_scenario(scenario, table):
         written[key] = copies.of(written[key])
     return table

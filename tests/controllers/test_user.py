@@ -206,7 +206,7 @@ def test_what_a_function_raises_is_reported_with_its_traceback():
     runner = Runner(fails_hard)
     with pytest.raises(ControllerError, match=r"'mine.py:go' of row 0 at 0.5 s raised KeyError: ") as caught:
         runner.command()
-    assert "there is no sensor 'lidar', but: laser. Did you mean 'laser'?" in str(caught.value)
+    assert "no sensor 'lidar'; did you mean 'laser'?" in str(caught.value)
     assert isinstance(caught.value.__cause__, KeyError)
     assert caught.value.__cause__.__traceback__ is not None
 
