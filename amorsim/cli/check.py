@@ -28,12 +28,12 @@ def command(
     changes: Changes = None,
     time_limit: Annotated[
         float,
-        typer.Option(metavar="SECONDS", help="How long a controller or motion of your own may take to be loaded."),
+        typer.Option(metavar="SECONDS", help="How long each component in a file of yours may take to be loaded."),
     ] = 10.0,
 ) -> None:
     """Report all that is wrong with a scenario or a robot's model: file, key, value, and what would be right.
 
-    Controllers and motions of your own are loaded in another process, which is ended after the time limit. The exit
+    Components in files of your own are loaded in another process, which is ended after the time limit. The exit
     status is 0 if the scenario would run, else 2.
     """
     from amorsim.core.errors import AmorsimError, Fault, ScenarioError

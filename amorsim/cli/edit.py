@@ -27,9 +27,7 @@ def command(
     open_: Opened = True,
     allow_code: Annotated[
         bool,
-        typer.Option(
-            "--allow-code", help="With another --host: also run scenarios that have controllers or motions in files."
-        ),
+        typer.Option("--allow-code", help="With another --host: also run scenarios that have components in files."),
     ] = False,
 ) -> None:
     """Open the Editor in the browser: draw a world, place robots and other things, and run it.

@@ -40,7 +40,12 @@ def command(
         str, typer.Option("--from", metavar="X,Y[,DEG]", help="The start [m], and its heading in degrees.")
     ],
     goal: Annotated[str, typer.Option("--to", metavar="X,Y[,DEG]", help="The goal.")],
-    planner: Annotated[str, typer.Option(metavar="NAME", help="The planner; `amorsim plugins` lists them.")] = "a_star",
+    planner: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME", help="The planner; `amorsim plugins` lists them. One of your own is FILE.py:NAME."
+        ),
+    ] = "a_star",
     footprint: Annotated[
         str | None,
         typer.Option(

@@ -59,8 +59,8 @@ class UserCode:
         """The state at the start: ``"objects"`` `(N,)`, one of the class for each row; empty for a function.
 
         `who` gives the name of a row's robot or obstacle for messages, `made_with` what its object gets in addition to
-        the options. Raises the exception of `failure` if the code cannot be called, or an object cannot be made or lacks
-        the method.
+        the options. Raises the exception of `failure` if the code cannot be called, an object cannot be made, or it has
+        not the method.
         """
         what = self.title
         if not callable(self.function):

@@ -35,7 +35,7 @@ _FRAME = re.compile(r'File "(.*)", line (\d+) in ')
 
 
 def check_code(scenario: Scenario, *, time_limit: float = 10.0) -> tuple[Fault, ...]:
-    """What is wrong with the controllers and motions that a scenario's file names as ``"FILE.py:NAME"``.
+    """What is wrong with the components that a scenario's file names as ``"FILE.py:NAME"``: controllers, estimators ...
 
     Another process loads them: it runs their files, and makes an object of each class with its options. Nothing of them
     runs in this process. The other one is ended, with all processes that it has started.
@@ -162,7 +162,7 @@ class _Trial:
             answer = self._answer(process, deadline)
             if isinstance(answer, str):
                 if number is None:
-                    raise AmorsimError(f"the process that loads controllers and motions did not start: {answer}")
+                    raise AmorsimError(f"the process that loads components in files did not start: {answer}")
                 self.broken = number, self._in_words(number, is_loaded, answer), is_loaded
                 return found
             if "begun" in answer:

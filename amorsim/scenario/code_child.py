@@ -66,7 +66,9 @@ def _check(answers: _Answers, component: UserCode) -> str:
         if isinstance(made, UserCode):
             made.try_out()
     except ScenarioError as error:
-        return "; ".join(str(attrs.evolve(fault, file="", named=fault.path.rpartition(".")[2])) for fault in error.faults)
+        return "; ".join(
+            str(attrs.evolve(fault, file="", named=fault.path.rpartition(".")[2])) for fault in error.faults
+        )
     except AmorsimError as error:
         return str(error)
     except BaseException as error:  # Ctrl-C is not for this process

@@ -315,7 +315,7 @@ class Document:
     def faults(self) -> tuple[Fault, ...]:
         """All that is wrong with the document: of lines that are no TOML, of keys, and of values; none if it is sound.
 
-        Nothing of a user's runs: of controllers and motions in files the text is checked. `check_code`
+        Nothing of a user's runs: of components in files the text is checked. `check_code`
         finds what only shows when they run, and `Simulation` what depends on draws, such as random starts.
         """
         return self._look().faults

@@ -26,7 +26,16 @@ from amorsim.scenario.controller_files import reference_of_class
 from amorsim.scenario.faults import Node, shown
 from amorsim.scenario.user_components import USER_CODE, program_in, read_program_in
 
-__all__ = ["NONE", "default_in_file", "file_fields", "in_file", "read_component", "read_fields", "write_component", "write_fields"]
+__all__ = [
+    "NONE",
+    "default_in_file",
+    "file_fields",
+    "in_file",
+    "read_component",
+    "read_fields",
+    "write_component",
+    "write_fields",
+]
 
 NONE = "none"
 _MOST = 2**63 - 1

@@ -11,13 +11,17 @@ from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.faults import Book, Node, Source
 from amorsim.scenario.fields import read_component
+from amorsim.scenario.programs import loaded_component
 from amorsim.scenario.settings import parse_settings
+from amorsim.scenario.user_components import program_in, read_program_in
 
 __all__ = ["read_planner"]
 
 
 def read_planner(name: str, overrides: Iterable[str] = (), *, registry: Registry | None = None) -> Planner:
-    """A planner by the name that it is registered under; `overrides` name its fields, ``cell=0.05``.
+    """A planner by the name that it is registered under, or ``FILE.py:NAME``, which runs that file.
+
+    `overrides` name its fields, ``cell=0.05``.
 
     Raises
     ------
@@ -32,13 +36,17 @@ def read_planner(name: str, overrides: Iterable[str] = (), *, registry: Registry
         said[".".join(setting.path)] = setting.value
         book.set_source(setting.path, Source(file=setting.file, folder=Path.cwd(), depth=0))
     planner = None
-    try:
-        cls = registry.get("planner", name)
-    except PluginError as error:
-        book.set_source(("use",), Source(file=f"--planner {name}", folder=Path(), depth=0))
-        Node(said, (), book).child("use").fault(str(error))
+    book.set_source(("use",), Source(file=f"--planner {name}", folder=Path(), depth=0))
+    node = Node(said, (), book)
+    if program_in(node):
+        planner = read_program_in(node, "planner")
+        book.raise_if_any()
+        planner = loaded_component(planner)
     else:
-        planner = read_component(cls, Node(said, (), book), beside=("use",))
+        try:
+            planner = read_component(registry.get("planner", name), node, beside=("use",))
+        except PluginError as error:
+            node.child("use").fault(str(error))
     book.raise_if_any()
     assert isinstance(planner, Planner)  # or there would be faults
     return planner

@@ -53,7 +53,7 @@ def load(
 ) -> Scenario:
     """The scenario in a file, or the bundled one of that name.
 
-    Nothing of a user's runs: of controllers and motions in files the text is checked. `Simulation` loads them.
+    Nothing of a user's runs: of components in files the text is checked. `Simulation` loads them.
 
     Parameters
     ----------

@@ -24,6 +24,7 @@ from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError, check_value, describe
 from amorsim.core.shapes import Shape
 from amorsim.core.trouble import in_words
+from amorsim.estimators.user import UserEstimator
 from amorsim.motions.user import UserMotion
 from amorsim.plugins.checks import check_name
 from amorsim.scenario.columns import column_problem, not_for_sensors
@@ -181,6 +182,17 @@ def _controller(given: Controller | Callable[..., Any] | None) -> Controller | N
     return UserController(source="", function=given)
 
 
+def _estimators(given: Mapping[str, Any]) -> Any:
+    if not isinstance(given, Mapping):
+        return given  # refused by name afterwards
+    return {name: _estimator(estimator) for name, estimator in given.items()}
+
+
+def _estimator(given: Any) -> Any:
+    is_plain = isinstance(given, type) and not issubclass(given, Estimator)
+    return UserEstimator(source="", function=given) if is_plain else given
+
+
 def _kidnappings(given: Iterable[Kidnapping]) -> tuple[Kidnapping, ...]:
     return many("kidnappings", Kidnapping, given)
 
@@ -207,7 +219,8 @@ class Robot:
     controller
         A component, or a function ``f(readings, estimate, clock)`` of one robot, or a class with such a `command`.
     estimators
-        By name; the first is the one that the controller gets.
+        By name; the first is the one that the controller gets. Each is a component, or a class of one robot with such
+        an `update` (`amorsim.estimators.user.UserEstimator`).
     on_collision
         ``"end"`` ends the controller at the first collision, ``"continue"`` lets it go on.
     """
@@ -219,7 +232,9 @@ class Robot:
     sensors: dict[str, MountedSensor] = attrs.field(factory=dict, converter=_mounted)
     ground: tuple[NoiseElement, ...] = attrs.field(default=(), converter=_chain)
     estimators: dict[str, Estimator] = attrs.field(
-        factory=dict, validator=by_name(Estimator, "am.estimators.DeadReckoning()")
+        factory=dict,
+        converter=_estimators,
+        validator=by_name(Estimator, "am.estimators.DeadReckoning()"),
     )
     controller: Controller | None = attrs.field(default=None, converter=_controller)
     on_collision: str = parameter("end", choices=("end", "continue"), help="what a collision does to the controller")

@@ -14,6 +14,7 @@ from amorsim.contracts import Beliefs, Context, Estimate, Estimator, Measurement
 from amorsim.core.arguments import check_kind, whole
 from amorsim.core.errors import AmorsimError, ComponentError, did_you_mean
 from amorsim.core.trouble import in_words
+from amorsim.scenario.programs import loaded_robot
 from amorsim.scenario.spec import Robot
 from amorsim.simulation.alike import channels_of, reading_size, robot_model
 from amorsim.simulation.asked import checked_seed
@@ -75,6 +76,7 @@ class EstimatorRunner:
         check_kind(robot, Robot, "robot", "a Robot, as am.load('demo').robots[0]")
         seed = None if seed is None else checked_seed(seed)
         replica = whole(replica, "replica", "the number of a replica")
+        robot = loaded_robot(robot)
         if robot.pose is None:
             raise AmorsimError(f"robot {robot.name!r}: an estimator starts from a pose; give the robot one (pose=...)")
         if isinstance(estimator, str):

@@ -41,7 +41,7 @@ Ints = npt.NDArray[np.int64]
 class Simulation:
     """Robots as rows: one row is one robot in one replica, in order of replica, then of name.
 
-    Controllers and motions that a scenario's file names as ``"FILE.py:NAME"`` are loaded now, which runs their files.
+    Components that a scenario's file names as ``"FILE.py:NAME"`` are loaded now, which runs their files.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ class Simulation:
     ParameterError
         If it is given anything but a scenario; `am.load` makes one from a file or the name of a bundled one.
     ScenarioError
-        With every fault that only shows now: a controller or motion in a file that cannot be loaded, a start in a wall
+        With every fault that only shows now: a component in a file that cannot be loaded, a start in a wall
         or in another body, an error whose path leads nowhere or whose true value its field does not accept.
     """
 

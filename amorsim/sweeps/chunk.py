@@ -17,10 +17,11 @@ import numpy.typing as npt
 
 from amorsim.contracts import Episode
 from amorsim.core.arguments import texts
-from amorsim.core.errors import AmorsimError, ComponentError, StudyError, did_you_mean
+from amorsim.core.errors import AmorsimError, ComponentError, ScenarioError, StudyError, did_you_mean
 from amorsim.core.parameters import ParameterError
 from amorsim.core.trouble import RAISED, error_in_words
 from amorsim.runs.session import RunSession
+from amorsim.scenario.programs import loaded_component
 from amorsim.scenario.read import load
 from amorsim.scenario.spec import Scenario
 from amorsim.simulation.keeping import Keeper
@@ -28,7 +29,16 @@ from amorsim.simulation.simulation import Simulation
 from amorsim.sweeps.plan import Chunk, Measured, Plan
 from amorsim.worlds.drawn import origin_of
 
-__all__ = ["Outcome", "episode_at", "measure_episode", "quantities", "robot_of", "run_chunk", "simulation_of"]
+__all__ = [
+    "Outcome",
+    "episode_at",
+    "measure_episode",
+    "quantities",
+    "robot_of",
+    "run_chunk",
+    "simulation_of",
+    "with_metrics",
+]
 
 Array = npt.NDArray[np.float64]
 
@@ -56,7 +66,7 @@ def run_chunk(plan: Plan, index: int, folder: str = "") -> Outcome:
         Where the run is recorded, if it is kept.
     """
     try:
-        return _run(plan, plan.chunk(index), folder)
+        return _run(with_metrics(plan), plan.chunk(index), folder)
     except AmorsimError as error:
         return Outcome(index=index, error=str(error))
     except RAISED as error:  # of a user's component
@@ -90,6 +100,21 @@ def simulation_of(plan: Plan, chunk: Chunk, replicas: int | Sequence[int]) -> Si
     """The simulation of a chunk."""
     scenario = load(plan.scenario, chunk.settings)
     return Simulation(scenario, seed=None if chunk.seed < 0 else chunk.seed, replicas=replicas)
+
+
+def with_metrics(plan: Plan) -> Plan:
+    """The study with the metrics that are in files, which are run for that.
+
+    Raises
+    ------
+    StudyError
+        With all that is wrong with them.
+    """
+    try:
+        metrics = [attrs.evolve(each, metric=loaded_component(each.metric)) for each in plan.metrics]
+    except ScenarioError as error:
+        raise StudyError(str(error)) from error
+    return attrs.evolve(plan, metrics=tuple(metrics))
 
 
 def quantities(plan: Plan) -> tuple[str, ...]:

@@ -15,6 +15,7 @@ from amorsim.core.reading import is_file
 from amorsim.core.whole_files import write_text
 from amorsim.runs.about import read_about
 from amorsim.runs.folder import check_free, circumstances, fingerprints
+from amorsim.scenario.beside import files_beside
 from amorsim.scenario.read import load
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.write import table_text, with_copies
@@ -223,6 +224,10 @@ def inputs_of(plan: Plan, scenario: Scenario) -> dict[str, str]:
         found |= _files_of(scenario)
     except AmorsimError as error:
         raise StudyError(str(error)) from None
+    for each in plan.metrics:
+        if each.source:
+            path = Path(each.source.rpartition(":")[0])
+            found |= {str(path.parent / name): digest for name, digest in _fingerprints_of_program(path).items()}
     read: set[str] = set()
     for axis in plan.axes:
         for label, settings, files in zip(axis.labels, axis.settings, axis.files, strict=True):
@@ -237,6 +242,11 @@ def inputs_of(plan: Plan, scenario: Scenario) -> dict[str, str]:
                         found[f"{name} of {axis.name} = {label}"] = digest
                 read.update(files)
     return found
+
+
+def _fingerprints_of_program(path: Path) -> dict[str, str]:
+    """A fingerprint of a file of Python, and of each that it imports from its folder."""
+    return fingerprints(path.parent, [path.name, *files_beside(path)])
 
 
 def _files_of(scenario: Scenario) -> dict[str, str]:

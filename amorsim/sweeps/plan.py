@@ -34,11 +34,15 @@ class Axis:
 
 @attrs.frozen(kw_only=True)
 class Measured:
-    """A metric of a study: its name there, and whose it is; without a robot, that of the only one."""
+    """A metric of a study: its name there, and whose it is; without a robot, that of the only one.
+
+    `source` is ``FILE.py:NAME`` of a metric in a file.
+    """
 
     name: str
     metric: Metric
     robot: str = ""
+    source: str = ""
 
 
 @attrs.frozen(kw_only=True)

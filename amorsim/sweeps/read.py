@@ -23,6 +23,7 @@ from amorsim.scenario.fields import read_component
 from amorsim.scenario.models import check_format, read_file
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.toml_values import as_toml, plain
+from amorsim.scenario.user_components import program_in, read_program_in
 from amorsim.simulation.simulation import MAX_REPLICA
 from amorsim.sweeps.plan import COLUMNS, Axis, Measured, Plan
 
@@ -319,16 +320,19 @@ def _metrics(node: Node, registry: Registry) -> list[Measured]:
         return []
     if not node.expect_table(what):
         return []
-    read = [read_metric(name, child, registry) for name, child in node.children()]
+    read = [read_metric(name, child, registry, in_files=True) for name, child in node.children()]
     if not node.value:
         node.fault(f"expected one metric at least, got none; write {what}")
     return [each for each in read if each is not None]
 
 
-def read_metric(name: str, node: Node, registry: Registry, *, beside: tuple[str, ...] = ()) -> Measured | None:
+def read_metric(
+    name: str, node: Node, registry: Registry, *, beside: tuple[str, ...] = (), in_files: bool = False
+) -> Measured | None:
     """The metric in a table: its ``use``, its fields, and ``robot``; a fault and None if there is none.
 
-    Further keys, those of `beside`, are left to the caller.
+    Further keys, those of `beside`, are left to the caller. A metric in a file, where the caller loads those that are
+    `in_files`, is read without running it.
     """
     names = registry.names("metric")
     known = ", ".join(names)
@@ -337,6 +341,10 @@ def read_metric(name: str, node: Node, registry: Registry, *, beside: tuple[str,
     use = node.child("use").text(f"the name of a metric: {known}")
     if use is None:
         return None
+    if in_files and program_in(node):
+        own = read_program_in(node, "metric", ("robot", *beside))
+        robot = node.child("robot").text("the name of a robot", "") or ""
+        return None if own is None else Measured(name=name, metric=own, robot=robot, source=own.source)
     if use not in names:
         node.child("use").fault(f"there is no metric called {use!r}; known: {known}.{did_you_mean(use, names)}")
         return None

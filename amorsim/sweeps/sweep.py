@@ -18,7 +18,7 @@ from amorsim.scenario.read import load
 from amorsim.scenario.spec import Scenario
 from amorsim.simulation.keeping import Keeper
 from amorsim.simulation.simulation import Simulation
-from amorsim.sweeps.chunk import Outcome, quantities, robot_of
+from amorsim.sweeps.chunk import Outcome, quantities, robot_of, with_metrics
 from amorsim.sweeps.folder import StudyFolder
 from amorsim.sweeps.plan import Axis, Plan
 from amorsim.sweeps.read import read_plan
@@ -85,8 +85,9 @@ def sweep(
     if dask is not None:
         check_cluster(dask)
     kept = _kept(keep, plan)
-    scenario = _checked(plan)
-    folder = StudyFolder(path, plan, scenario)
+    measured = with_metrics(plan)  # other processes load them themselves
+    scenario = _checked(measured)
+    folder = StudyFolder(path, measured, scenario)
     missing = folder.missing(kept)
     folder.forget_begun()
 

@@ -14,12 +14,11 @@ from typing import Any
 
 import attrs
 
-from amorsim.controllers.user import UserController
 from amorsim.core.errors import AmorsimError, Fault, ScenarioError
-from amorsim.motions.user import UserMotion
+from amorsim.core.user_code import UserCode
 from amorsim.runs.session import run_name
 from amorsim.scenario.controller_files import reference_to
-from amorsim.scenario.spec import Scenario
+from amorsim.scenario.spec import Robot, Scenario
 from amorsim.scenario.write import with_maps, write_table
 from amorsim.ui.simulator.orphan import is_child
 from amorsim.ui.simulator.pipes import python_for
@@ -40,8 +39,9 @@ def view(
     """Open the Simulator in the browser: what is true next to what the robot knows. Returns after Ctrl-C.
 
     The window's simulation runs in another process, which gets the scenario as a file would give it. So components
-    have to be registered, and a controller or motion of one's own is a function or class at the top of a file: of the
-    script itself, where what the script does stands below ``if __name__ == "__main__":``, or of one that it imports.
+    have to be registered or in a file that the script imports. A function or plain class of one's own is at the top of a
+    file: of one that is imported, or of the script itself, where what the script does stands below
+    ``if __name__ == "__main__":``.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def view(
         )
     if is_child():
         raise AmorsimError(
-            "the window's simulation looks for a controller or motion in this file, and must not open a window of its "
+            "the window's simulation looks for a component in this file, and must not open a window of its "
             "own; put what the script does below: if __name__ == '__main__':"
         )
     with tempfile.TemporaryDirectory(prefix="amorsim-view-", ignore_cleanup_errors=True) as passing:
@@ -136,7 +136,7 @@ def _show(order: dict[str, Any]) -> str:
 
 
 def _named(scenario: Scenario) -> Scenario:
-    """The scenario with the files and names of the controllers and motions that were given as objects.
+    """The scenario with the files and names of the controllers, estimators and motions that were given as objects.
 
     Raises
     ------
@@ -145,10 +145,9 @@ def _named(scenario: Scenario) -> Scenario:
     """
     faults: list[Fault] = []
 
-    def named(path: str, body: Any, field: str) -> Any:
-        own = getattr(body, field)
-        if not isinstance(own, (UserController, UserMotion)) or own.source:
-            return body
+    def named(path: str, own: Any) -> Any:
+        if not isinstance(own, UserCode) or own.source:
+            return own
         source = reference_to(own.function)
         if not source:
             name = getattr(own.function, "__qualname__", repr(own.function))
@@ -156,11 +155,19 @@ def _named(scenario: Scenario) -> Scenario:
                 f"{name} stands at the top of no file, so the window's process cannot find it; define it with def or "
                 f"class at the top of a .py file: this script, or one that it imports"
             )
-            faults.append(Fault(file="", path=f"{path}.{field}", message=message))
-        return attrs.evolve(body, **{field: attrs.evolve(own, source=source)})
+            faults.append(Fault(file="", path=path, message=message))
+        return attrs.evolve(own, source=source)
 
-    robots = [named(f"robots.{robot.name}", robot, "controller") for robot in scenario.robots]
-    obstacles = [named(f"obstacles.{obstacle.name}", obstacle, "motion") for obstacle in scenario.obstacles]
+    def named_robot(robot: Robot) -> Robot:
+        at = f"robots.{robot.name}"
+        estimators = {name: named(f"{at}.estimators.{name}", own) for name, own in robot.estimators.items()}
+        return attrs.evolve(robot, controller=named(f"{at}.controller", robot.controller), estimators=estimators)
+
+    robots = list(map(named_robot, scenario.robots))
+    obstacles = [
+        attrs.evolve(obstacle, motion=named(f"obstacles.{obstacle.name}.motion", obstacle.motion))
+        for obstacle in scenario.obstacles
+    ]
     if faults:
         raise ScenarioError(faults)
     return attrs.evolve(scenario, robots=robots, obstacles=obstacles)

@@ -222,6 +222,15 @@ def test_a_field_that_is_given_nonsense_is_answered_as_the_how_to_says(project: 
     assert_says(str(caught.value), answer)
 
 
+def test_components_in_a_file_run_and_are_carried_along(project: Path) -> None:
+    am.run(am.load("in_file.toml"), "run")
+    assert Path("run/count.txt").read_text(encoding="utf-8") == "50\n"
+    assert Path("run/mine.py").read_bytes() == Path("mine.py").read_bytes()
+    x = [line.split(",") for line in Path("run/obstacles.csv").read_text(encoding="utf-8").splitlines()]
+    column = x[0].index("x")
+    assert float(x[-1][column]) == pytest.approx(1.0 + 0.2 * 5.0)
+
+
 BROKEN = [
     pytest.param(block, answer, id=str(number))
     for number, (block, answer) in enumerate(itertools.pairwise(blocks(PLUGIN_PAGE)))
@@ -358,7 +367,10 @@ def test_the_component_over_rows_keeps_its_contract_and_keeps_away_from_the_wall
     check_component(module.Bounce())
     registry = make_registry({"bounce": module}, entry_points=[])
     assert not registry.problems
-    text = Path("scenario.toml").read_text(encoding="utf-8").replace("controller.py:bounce", "bounce")
+    text = Path("scenario.toml").read_text(encoding="utf-8")
+    Path("file.toml").write_text(text.replace("controller.py:bounce", "amorsim_bounce.py:Bounce"), encoding="utf-8")
+    assert type(am.Simulation(am.load("file.toml")).scenario.robots[0].controller).__name__ == "Bounce"
+    text = text.replace("controller.py:bounce", "bounce")
     Path("rows.toml").write_text(text, encoding="utf-8")
     sim = am.Simulation(am.load("rows.toml", registry=registry), replicas=20)
     start = sim.true_pose[:, :2]
