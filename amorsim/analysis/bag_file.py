@@ -36,7 +36,7 @@ Sent = tuple[int, str, Any]  # time [ns], topic, message
 
 
 def write_bag(files: RunFiles, path: Path) -> None:
-    """Write the first replica of a run as a rosbag2, a folder with one MCAP file.
+    """Write the first replica of a run as a rosbag2, a folder with one MCAP file, compressed with zstd.
 
     =========================  =====================================================================================
     ``/clock``                 ``rosgraph_msgs/Clock`` at each step
@@ -62,7 +62,7 @@ def write_bag(files: RunFiles, path: Path) -> None:
         If a file of the run is damaged, or the bag cannot be written.
     """
     try:
-        from rosbags.rosbag2 import StoragePlugin, Writer
+        from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
         from rosbags.typesys import Stores, get_typestore
     except ModuleNotFoundError:
         raise AnalysisError('rosbag2 needs a library: python -m pip install "amorsim[rosbag]"') from None
@@ -71,7 +71,10 @@ def write_bag(files: RunFiles, path: Path) -> None:
     try:
         with tempfile.TemporaryDirectory(prefix=PREFIX, dir=path.parent) as place:
             new = Path(place) / path.name
-            with Writer(new, version=_VERSION, storage_plugin=StoragePlugin.MCAP) as writer:
+            whole = Writer(new, version=_VERSION, storage_plugin=StoragePlugin.MCAP)
+            # The chunks of the MCAP file, which every reader of MCAP opens; ROS takes the bag for an uncompressed one.
+            whole.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
+            with whole as writer:
                 connections: dict[str, Any] = {}
                 for time, topic, message in sent:
                     kind = message.__msgtype__

@@ -16,6 +16,7 @@ from amorsim.analysis.differing import differing_parts
 from amorsim.analysis.paired import Key, paired
 from amorsim.core.arguments import check_text, texts
 from amorsim.core.errors import AnalysisError, did_you_mean
+from amorsim.core.unknown_names import no_such
 from amorsim.sweeps.table import Study, read_study
 
 __all__ = ["compare"]
@@ -133,8 +134,7 @@ def _along(study: Study, axis: str, chosen: Sequence[str]) -> Comparison:
     """The values of an axis, each a system."""
     check_text(axis, "axis", "the name of an axis")
     if axis not in study.axes:
-        known = ", ".join(study.axes) or "none"
-        raise AnalysisError(f"{study.folder}: there is no axis {axis!r}, but: {known}.{did_you_mean(axis, study.axes)}")
+        raise AnalysisError(f"{study.folder}: {no_such('axis', axis, study.axes)}")
     whole = _keyed(study, [axis, *(name for name in study.axes if name != axis), "seed", "replica"], chosen)
     systems: dict[str, dict[Key, list[float]]] = {}
     for key, values in whole.items():
@@ -201,10 +201,7 @@ def _chosen(studies: Sequence[Study], metrics: Sequence[str], estimators: Sequen
     common = [name for name in studies[0].metrics if all(name in study.metrics for study in studies)]
     for name in metrics:
         if name not in common:
-            raise AnalysisError(
-                f"metrics: there is no {name!r} that all have, but: {', '.join(common) or 'none'}."
-                f"{did_you_mean(name, common)}"
-            )
+            raise AnalysisError(f"metrics: {no_such('common metric', name, common)}")
     if not common:
         raise AnalysisError("expected studies with a metric in common")
     chosen = list(metrics) or common

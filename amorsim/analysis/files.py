@@ -12,7 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.arguments import path_of
-from amorsim.core.errors import RunError, did_you_mean
+from amorsim.core.errors import RunError
+from amorsim.core.unknown_names import no_such
 from amorsim.runs.about import RUN_FOLDER, read_about, scenario_of
 from amorsim.runs.tables import read_columns
 from amorsim.scenario.spec import Scenario
@@ -105,8 +106,7 @@ class RunFiles:
                 'replica="all"; arrays() gives all of them row by row'
             )
         if replica not in (None, "all") and replica not in self.replicas:
-            known = ", ".join(map(str, self.replicas[:20])) + (" ..." if len(self.replicas) > 20 else "")
-            raise RunError(f"{self.folder}: there is no replica {replica}, but: {known}")
+            raise RunError(f"{self.folder}: {no_such('replica', replica, self.replicas)}")
         columns = self._read(name)
         chosen: Any = slice(None)
         if "replica" in columns and replica != "all":
@@ -186,10 +186,7 @@ class RunFiles:
 
     def _check_robot(self, robot: str) -> None:
         if robot not in self.robots:
-            known = ", ".join(self.robots)
-            raise RunError(
-                f"{self.folder}: there is no robot {robot!r}, but: {known}.{did_you_mean(robot, self.robots)}"
-            )
+            raise RunError(f"{self.folder}: {no_such('robot', robot, self.robots)}")
 
     def _read(self, name: str) -> Table:
         if name not in self._columns:
@@ -198,7 +195,7 @@ class RunFiles:
 
     def _column(self, name: str, columns: Table, key: str) -> npt.NDArray[Any]:
         if key not in columns:
-            raise RunError(f"{self._path(name)}, line 1: there is no column {key!r}, but: {', '.join(columns)}")
+            raise RunError(f"{self._path(name)}, line 1: {no_such('column', key, columns)}")
         return columns[key]
 
     def _lines_by_replica(self, name: str) -> dict[int, Ints]:

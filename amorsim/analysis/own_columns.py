@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from amorsim.analysis.files import RunFiles, Table
 from amorsim.core.errors import RunError
+from amorsim.core.unknown_names import no_such
 from amorsim.scenario.spec import Robot
 from amorsim.simulation.alike import channels_of, reading_size
 
@@ -64,7 +65,7 @@ def _specified(files: RunFiles, robot: str) -> Robot:
 def _check_columns(files: RunFiles, name: str, columns: Collection[str], keys: Sequence[str]) -> None:
     for key in keys:
         if key not in columns:
-            raise RunError(f"{files.folder / name}.csv, line 1: there is no column {key!r}, but: {', '.join(columns)}")
+            raise RunError(f"{files.folder / name}.csv, line 1: {no_such('column', key, columns)}")
 
 
 def _values(table: Table, keys: Sequence[str]) -> Array:

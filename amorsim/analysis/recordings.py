@@ -18,6 +18,7 @@ from amorsim.analysis.run_log import LogEntry, entries_of_run
 from amorsim.analysis.trajectory import Trajectory
 from amorsim.core.arguments import check_kind, path_of
 from amorsim.core.errors import AmorsimError, AnalysisError, did_you_mean
+from amorsim.core.unknown_names import no_such
 from amorsim.runs.folder import ABOUT
 from amorsim.scenario.spec import Robot
 
@@ -120,10 +121,7 @@ def read_log(
         raise AnalysisError(f"{path}: is not the folder of a run, and a recording has no replicas; leave out replica")
     for name in topics or {}:
         if name not in robot.sensors:
-            raise AnalysisError(
-                f"topics: robot {robot.name!r} has no sensor {name!r}, but: {', '.join(robot.sensors) or 'none'}."
-                f"{did_you_mean(name, list(robot.sensors))}"
-            )
+            raise AnalysisError(f"topics: {no_such('sensor', name, robot.sensors, whose=f'robot {robot.name!r}')}")
     given = {topic: name for name, topic in (topics or {}).items()}
     own = given if topics is not None else {f"/{robot.name}/{name}": name for name in robot.sensors}
     orders = f"/{robot.name}/command" if command is None else command

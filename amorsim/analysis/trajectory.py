@@ -15,6 +15,7 @@ from amorsim.analysis.files import RunFiles
 from amorsim.core.arguments import check_kind, path_of
 from amorsim.core.errors import AnalysisError, RunError
 from amorsim.core.reading import read_bytes, reason
+from amorsim.core.unknown_names import no_such
 from amorsim.core.whole_files import write_text
 
 __all__ = [
@@ -111,8 +112,7 @@ def run_trajectories(
         believed = np.stack([poses[f"estimated_{key}"] for key in _CSV[1:]], axis=1)
         return made, Trajectory(time=poses["time"], poses=believed, name=f"estimate of {of}")
     if estimator not in files.estimators:
-        known = ", ".join(files.estimators) or "none"
-        raise RunError(f"{files.folder}: there are no estimates of {estimator!r}, but of: {known}")
+        raise RunError(f"{files.folder}: {no_such('estimator', estimator, files.estimators)}")
     table = files.table(f"estimates/{estimator}", robot=robot, replica=replica)
     believed = np.stack([table[key] for key in _CSV[1:]], axis=1)
     return made, Trajectory(time=table["time"], poses=believed, name=f"estimate of {of} by {estimator}")
@@ -182,7 +182,7 @@ def read_csv(path: str | os.PathLike[str]) -> Trajectory:
     header = [name.strip().removeprefix("\N{BOM}") for name in rows[0]]
     for name in _CSV:
         if name not in header:
-            raise AnalysisError(f"{path}, line {lines[0][0]}: there is no column {name!r}, but: {', '.join(header)}")
+            raise AnalysisError(f"{path}, line {lines[0][0]}: {no_such('column', name, header)}")
     places = [header.index(name) for name in _CSV]
     found = np.empty((len(rows) - 1, 4))
     for i, ((number, _), cells) in enumerate(zip(lines[1:], rows[1:], strict=True)):

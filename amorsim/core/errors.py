@@ -29,7 +29,6 @@ __all__ = [
     "SnapshotError",
     "StudyError",
     "did_you_mean",
-    "no_such",
 ]
 
 _SHOWN = 100  # faults in a message
@@ -138,15 +137,15 @@ class Fault:
     @property
     def remedy(self) -> str:
         """What was expected, in the words of the message; empty if the message does not say."""
-        if found := re.search(r"Did you mean .*\?", self.message):
-            return found[0]
+        if found := re.search(r"[Dd](id you mean .*\?)", self.message):
+            return f"D{found[1]}"
         if found := re.search(r"expected (?:(?!, got ).)*", self.message):
             return found[0]
         _, mark, last = re.sub(r" \(column \d+\)$", "", self.message).rpartition("; ")
         if mark:
-            return last
-        found = re.search(r": (write .*)|, but: (.*)\.$", self.message)
-        return (found[1] or f"one of: {found[2]}") if found else ""
+            return last.removesuffix(".")
+        found = re.search(r": (write .*)", self.message)
+        return found[1] if found else ""
 
 
 class ScenarioError(AmorsimError):
@@ -170,22 +169,3 @@ def did_you_mean(name: object, known: Iterable[str]) -> str:
         return ""
     near = difflib.get_close_matches(name, list(known), n=1, cutoff=0.6)
     return f" Did you mean {near[0]!r}?" if near else ""
-
-
-def no_such(what: str, name: object, known: Iterable[str], *, whose: str = "") -> str:
-    """The message for a name that is unknown, with the known ones and what may have been meant.
-
-    Parameters
-    ----------
-    what
-        The kind of thing: "sensor".
-    whose
-        What should have it, in the nominative: "robot 'rover'".
-    """
-    names = list(dict.fromkeys(known))
-    hint = did_you_mean(str(name), names)
-    start = f"{whose} has no {what} {name!r}" if whose else f"no {what} {name!r}"
-    if hint and len(names) == 1:
-        return f"{start};{hint.replace(' Did', ' did')}"
-    plural = f"{what[:-1]}ies" if what.endswith("y") and what[-2] not in "aeiou" else f"{what}s"
-    return f"{start}; known {plural}: {', '.join(names) or 'none'}.{hint}"

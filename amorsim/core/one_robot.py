@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.core.errors import no_such
+from amorsim.core.unknown_names import no_such
 
 __all__ = ["PoseVector", "RobotReading", "RobotReadings"]
 

@@ -26,6 +26,7 @@ from amorsim.contracts import (
 )
 from amorsim.core.errors import PluginError, did_you_mean
 from amorsim.core.trouble import RAISED
+from amorsim.core.unknown_names import no_such
 from amorsim.plugins.checks import check_class, check_name
 
 __all__ = ["KINDS", "Entry", "Plugin", "Registry"]
@@ -214,11 +215,7 @@ class Registry:
         """
         found = self._entries.get((kind, name))
         if found is None:
-            what = kind.replace("_", " ")
-            known = ", ".join(self.names(kind)) or "none"
-            raise PluginError(
-                f"there is no {what} called {name!r}; known: {known}.{did_you_mean(name, self.names(kind))}"
-            )
+            raise PluginError(no_such(kind.replace("_", " "), name, self.names(kind)))
         return found
 
     def get(self, kind: str, name: str) -> type[Any]:

@@ -94,7 +94,7 @@ def _index_of(simulation: Simulation, replica: int | None) -> int:
     if replica is None:
         return 0
     if replica not in simulation.replicas:
-        raise AmorsimError(f"draw: there is no replica {replica!r}, but: {numbers_in_words(simulation.replicas)}")
+        raise AmorsimError(f"draw: no replica {replica!r}; known replicas: {numbers_in_words(simulation.replicas)}")
     return simulation.replicas.index(replica)
 
 

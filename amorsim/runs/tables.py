@@ -14,7 +14,8 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.core.errors import RunError, did_you_mean
+from amorsim.core.errors import RunError
+from amorsim.core.unknown_names import no_such
 
 __all__ = ["LARGEST", "LONGEST_LINE", "Line", "check_file", "last_line", "read_columns", "read_header", "read_lines"]
 
@@ -262,10 +263,7 @@ def _header(path: Path, blocks: Iterator[tuple[int, list[str]]], name: str, with
 
 
 def _missing(path: Path, column: str, header: Sequence[str]) -> RunError:
-    there = ", ".join(header[:12]) + (" ..." if len(header) > 12 else "")
-    return RunError(
-        f"{path}, line 1: is damaged: there is no column {column!r}, but: {there[:300]}.{did_you_mean(column, header)}"
-    )
+    return RunError(f"{path}, line 1: is damaged: {no_such('column', column, [name[:40] for name in header])}")
 
 
 def _cells(path: Path, number: int, line: str, count: int) -> list[str]:

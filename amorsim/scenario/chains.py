@@ -8,9 +8,10 @@ from typing import Any
 import attrs
 
 from amorsim.contracts import Noise
-from amorsim.core.errors import AmorsimError, ScenarioError, did_you_mean
+from amorsim.core.errors import AmorsimError, ScenarioError
 from amorsim.core.parameters import ParameterError
 from amorsim.core.trouble import in_words
+from amorsim.core.unknown_names import no_such
 from amorsim.plugins.manager import default_registry
 from amorsim.scenario.components import read_chain
 from amorsim.scenario.faults import Book, Node
@@ -67,10 +68,7 @@ def with_chain(robot: Robot, path: str, elements: Elements) -> Robot:
 def _sensor(robot: Robot, path: str) -> str:
     name = path.split(".")[1]
     if name not in robot.sensors:
-        known = ", ".join(robot.sensors) or "none"
-        raise AmorsimError(
-            f"robot {robot.name!r} has no sensor {name!r}, but: {known}.{did_you_mean(name, robot.sensors)}"
-        )
+        raise AmorsimError(no_such("sensor", name, robot.sensors, whose=f"robot {robot.name!r}"))
     return name
 
 

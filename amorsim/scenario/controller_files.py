@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 from amorsim.core.errors import ControllerError, did_you_mean
 from amorsim.core.reading import no_such_file, read_bytes, reason
 from amorsim.core.trouble import RAISED, error_in_words, in_words
+from amorsim.core.unknown_names import no_such
 from amorsim.core.user_code import go_back, present_folder
 from amorsim.scenario.beside import files_beside, make_importable
 
@@ -142,8 +143,7 @@ def load_program(path: Path, name: str) -> Any:
 def no_such_name(path: Path, name: str, there: Iterable[str]) -> ControllerError:
     """What to raise where a file has no function or class of a name, but others."""
     own = [key for key in there if not key.startswith("_")]
-    known = ", ".join(own) or "none"
-    return ControllerError(f"there is no {name!r} in {path}, but: {known}.{did_you_mean(name, own)}")
+    return ControllerError(f"{path}: {no_such('definition', name, own)}")
 
 
 def read_program(path: Path) -> bytes:

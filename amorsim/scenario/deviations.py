@@ -7,9 +7,9 @@ from typing import Any
 
 import attrs
 
-from amorsim.core.errors import did_you_mean
 from amorsim.core.numbers import is_number
 from amorsim.core.parameters import Parameter, ParameterError, describe
+from amorsim.core.unknown_names import no_such
 from amorsim.scenario.angles import to_degrees, to_radians
 from amorsim.scenario.faults import Node, shown
 from amorsim.scenario.paths import changed, index_in
@@ -96,7 +96,7 @@ def _check_names(node: Node, path: tuple[str, ...], classes: Mapping[tuple[str, 
         known = (*describe(cls), *(("mount", *_NO_ERROR) if path[0] == "sensors" else ()))
     for key, child in node.children() if known and node.is_table else ():
         if (name := key.removesuffix("_deg")) not in known:
-            child.fault(f"there is no parameter {name!r}, but: {', '.join(known)}.{did_you_mean(name, known)}")
+            child.fault(no_such("parameter", name, known))
 
 
 def _is_deviation(table: dict[str, Any]) -> bool:

@@ -269,7 +269,7 @@ class Document:
                 default = [] if at in _LISTS else self._origins.default(self._editor.values, at)
                 place = default if isinstance(default, list) else MISSING
             if isinstance(place, list):
-                index = index_of(place, part)
+                index = index_of(place, part, str(at[-1]))
                 if isinstance(index, str):
                     raise DocumentError(index, ".".join(map(str, (*at, part))))
                 place, at = place[index], (*at, index)

@@ -8,7 +8,8 @@ from typing import Any
 
 import attrs
 
-from amorsim.core.errors import Fault, ScenarioError, did_you_mean
+from amorsim.core.errors import Fault, ScenarioError
+from amorsim.core.unknown_names import unknown_key
 from amorsim.plugins.checks import check_name
 from amorsim.scenario.lines import with_lines
 
@@ -235,8 +236,7 @@ class Node:
             elif key.endswith("_deg") and key[:-4] in known:
                 node.fault(f"this is no angle: write {key[:-4]}")
             else:
-                names = ", ".join(dict.fromkeys(known)) or "none"
-                node.fault(f"there is no such key, but: {names}.{did_you_mean(key, known)}")
+                node.fault(unknown_key(key, known))
 
 
 def shown(value: Any) -> str:

@@ -12,13 +12,14 @@ import attrs
 
 from amorsim.contracts import MapLoader
 from amorsim.core.arguments import check_kind, path_of
-from amorsim.core.errors import MapError, PluginError, did_you_mean
+from amorsim.core.errors import MapError, PluginError
 from amorsim.core.lost_cells import Lost, lost_cells
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError, describe
 from amorsim.core.reading import check_readable, no_such_file, reason
 from amorsim.core.same_cells import have_same_cells
 from amorsim.core.trouble import RAISED, error_in_words
+from amorsim.core.unknown_names import no_such
 from amorsim.core.whole_files import replacing
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
@@ -76,10 +77,7 @@ def load_map(path: str | Path, *, use: str | None = None, registry: Registry | N
     fields = describe(cls)
     for option in options:
         if option not in fields:
-            known = ", ".join(fields) or "none"
-            raise MapError(
-                f"{path}: maps read by {name!r} have no option {option!r}, but: {known}.{did_you_mean(option, fields)}"
-            )
+            raise MapError(f"{path}: {no_such('option', option, fields, whose=f'the loader {name!r}')}")
     try:
         loader = cls(**options)
     except ParameterError as error:
@@ -245,7 +243,7 @@ def _writer(path: Path, use: str | None, registry: Registry) -> type[MapLoader]:
         if path.suffix.lower() in cls.extensions:
             return cls
         known += cls.extensions
-    raise MapError(f"{path}: no format of maps is known by this extension, but: {', '.join(sorted(set(known)))}")
+    raise MapError(f"{path}: no map of a known format; known extensions: {', '.join(sorted(set(known)))}")
 
 
 def find_loader(path: Path, use: str | None, registry: Registry) -> tuple[str, type[MapLoader]]:

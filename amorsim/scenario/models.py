@@ -8,8 +8,9 @@ from typing import Any
 
 import attrs
 
-from amorsim.core.errors import PluginError, did_you_mean
+from amorsim.core.errors import PluginError
 from amorsim.core.reading import no_such_file, read_bytes, reason
+from amorsim.core.unknown_names import no_such
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.faults import Book, Branch, Node, Source, shown
 from amorsim.scenario.layout import copied_tables
@@ -118,10 +119,7 @@ def _check_removals(layers: Sequence[Layer], robot: Node) -> None:
         names = [name for _, values in layers if isinstance(values.get(kind), dict) for name in values[kind]]
         for name in [name for name, value in own.items() if value is False] if isinstance(own, dict) else []:
             if name not in names:
-                known = ", ".join(dict.fromkeys(names)) or "none"
-                robot.child(kind).child(name).fault(
-                    f"the model has none of this name to take away, but: {known}.{did_you_mean(name, names)}"
-                )
+                robot.child(kind).child(name).fault(no_such(kind.removesuffix("s"), name, names, whose="the model"))
 
 
 def _merge_devices(robot: Node, registry: Registry, known: Known) -> None:

@@ -10,6 +10,7 @@ import attrs
 from amorsim.core.errors import did_you_mean
 from amorsim.core.parameters import describe
 from amorsim.core.trouble import in_words
+from amorsim.core.unknown_names import no_such
 from amorsim.scenario.spec import Deviation, MountedSensor, NoiseElement, Pose, Robot
 
 __all__ = ["changed", "index_in", "with_value"]
@@ -66,7 +67,7 @@ def _deviation(table: dict[str, Any]) -> Deviation:
     known = attrs.fields_dict(Deviation)
     for name in table:
         if name not in known:
-            raise LookupError(f"an error has no {name!r}, but: {', '.join(known)}.{did_you_mean(str(name), known)}")
+            raise LookupError(no_such("key", name, known, whose="an error"))
     return Deviation(**table)
 
 
@@ -78,8 +79,7 @@ def changed(thing: Any, path: list[str], change: Change, *, live: bool = False) 
     name, rest = path[0], path[1:]
     if isinstance(thing, dict):
         if name not in thing:
-            there = ", ".join(thing) or "none"
-            raise LookupError(f"there is no {name!r} here, but: {there}.{did_you_mean(name, thing)}")
+            raise LookupError(no_such("entry", name, thing))
         return {**thing, name: _descend(thing[name], rest, change, live)}
     if isinstance(thing, tuple):
         index = index_in(thing, name)
@@ -94,8 +94,7 @@ def changed(thing: Any, path: list[str], change: Change, *, live: bool = False) 
         inner = "sensor" if isinstance(thing, MountedSensor) else "noise"
         return attrs.evolve(thing, **{inner: changed(getattr(thing, inner), path, change, live=live)})
     if name not in fields:
-        known = ", ".join(fields)
-        raise LookupError(f"there is no parameter {name!r}, but: {known}.{did_you_mean(name, fields)}")
+        raise LookupError(no_such("parameter", name, fields))
     value = getattr(thing, name)
     parameter = describe(type(thing))[name]
     # What fixes shapes is equal in all rows of a group, so it can neither change nor differ from replica to replica.
@@ -133,5 +132,5 @@ def index_in(items: tuple[Any, ...], name: str) -> int:
     numbers = [str(number) for number in range(len(items))]
     if name in numbers:
         return numbers.index(name)
-    known = ", ".join(n for n in names if n) or (f"0 to {len(items) - 1}" if items else "none")
-    raise LookupError(f"there is no element {name!r}, but: {known}")
+    known = [n for n in names if n] or ([f"0 to {len(items) - 1}"] if items else [])
+    raise LookupError(no_such("element", name, known))

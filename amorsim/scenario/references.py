@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 
 import attrs
 
-from amorsim.core.errors import did_you_mean
 from amorsim.core.parameters import describe
+from amorsim.core.unknown_names import no_such
 from amorsim.scenario.faults import Node
 
 __all__ = ["check_references"]
@@ -31,6 +31,4 @@ def check_references(node: Node, component: object, known: Mapping[str, Sequence
             names = known[parameter.refers]
             if value not in names:
                 kind = parameter.refers.removesuffix("s")
-                node.child(name).fault(
-                    f"the robot has no {kind} {value!r}, but: {', '.join(names) or 'none'}.{did_you_mean(value, names)}"
-                )
+                node.child(name).fault(no_such(kind, value, names, whose="the robot"))

@@ -11,10 +11,11 @@ import attrs
 
 from amorsim.contracts import Drive
 from amorsim.core.arguments import whole
-from amorsim.core.errors import AmorsimError, PluginError, did_you_mean
+from amorsim.core.errors import AmorsimError, PluginError
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.core.trouble import RAISED, error_in_words
+from amorsim.core.unknown_names import no_such
 from amorsim.plugins.checks import check_name
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
@@ -87,7 +88,7 @@ def load_robot(model: str | Path, *, registry: Registry | None = None, **changes
     known = attrs.fields_dict(Robot)
     for name in changes:
         if name not in known:
-            raise AmorsimError(f"a robot has no field {name!r}, but: {', '.join(known)}.{did_you_mean(name, known)}")
+            raise AmorsimError(no_such("field", name, known, whose="a robot"))
     registry = registry or default_registry()
     book = Book(Source(file="", folder=Path()))
     document: dict[str, Any] = {"robots": [{"model": str(model)}]}

@@ -11,9 +11,10 @@ import numpy.typing as npt
 
 from amorsim.controllers.driving import command_along, joints_of
 from amorsim.controllers.manual import limited
-from amorsim.core.errors import AmorsimError, did_you_mean
+from amorsim.core.errors import AmorsimError
 from amorsim.core.parameters import LARGEST
 from amorsim.core.trouble import in_words
+from amorsim.core.unknown_names import no_such
 
 if TYPE_CHECKING:
     from amorsim.scenario.spec import Robot
@@ -48,8 +49,7 @@ class Readings(Mapping[str, Reading]):
     def __getitem__(self, name: str) -> Reading:
         sensors = self._group.sensors
         if name not in sensors:
-            known = ", ".join(sensors) or "none"
-            raise KeyError(f"there is no sensor {name!r}, but: {known}.{did_you_mean(name, sensors)}")
+            raise KeyError(no_such("sensor", name, sensors))
         held = sensors[name]
         whole = (held.true, held.measured, held.stamp, held.age, held.fresh)
         parts = whole if self._row is None else tuple(part[self._row] for part in whole)

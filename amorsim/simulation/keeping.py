@@ -10,8 +10,9 @@ import numpy.typing as npt
 
 from amorsim.contracts import Beliefs, Frame
 from amorsim.core.arguments import texts
-from amorsim.core.errors import AmorsimError, did_you_mean
+from amorsim.core.errors import AmorsimError
 from amorsim.core.memory import too_large
+from amorsim.core.unknown_names import no_such
 
 __all__ = ["Keeper", "quantity_problem"]
 
@@ -150,7 +151,7 @@ def _pick(simulation: Simulated, name: str) -> Pick:
         _expect(name, what, _OF_ESTIMATE, "quantity")
         return lambda frame: getattr(frame.estimates[whose], what) if whose in frame.estimates else None
     if kind == "beliefs" and whose:
-        _expect(name, whose, {each for frame in frames for each in frame.beliefs}, "estimator with beliefs")
+        _expect(name, whose, {each for frame in frames for each in frame.beliefs}, "estimator of beliefs")
         if not any(what in _some(frame, {whose: [what]}).get(whose, {}) for frame in frames):
             known = {belief for frame in frames for belief in frame.beliefs.get(whose, {})}
             _expect(name, what, known, "belief")
@@ -168,16 +169,13 @@ def quantity_problem(name: str) -> str:
     if whose and kind in dotted and (what or "measured") in dotted[kind]:
         return ""
     known = {*_OWN, *_OF_FRAME, "readings.NAME", "estimates.NAME.pose", "beliefs.NAME.BELIEF"}
-    return f"there is no quantity {name!r}, but: {', '.join(sorted(known))}.{did_you_mean(name, known)}"
+    return no_such("quantity", name, sorted(known))
 
 
 def _expect(name: str, part: str, known: Iterable[str], what: str) -> None:
     known = sorted(known)
     if part not in known:
-        raise AmorsimError(
-            f"keep: {name!r}: there is no {what} {part!r}, but: {', '.join(known) or 'none'}."
-            f"{did_you_mean(part, known)}"
-        )
+        raise AmorsimError(f"keep: {name!r}: {no_such(what, part, known)}")
 
 
 def _reading(frame: Frame, sensor: str, what: str) -> Array | None:

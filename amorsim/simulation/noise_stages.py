@@ -12,8 +12,9 @@ import numpy.typing as npt
 
 from amorsim.contracts import Draws, Noise, State
 from amorsim.core.arguments import check_kind, whole
-from amorsim.core.errors import AmorsimError, did_you_mean
+from amorsim.core.errors import AmorsimError
 from amorsim.core.rows import take
+from amorsim.core.unknown_names import no_such
 from amorsim.simulation.group import Group
 from amorsim.simulation.simulation import Simulation
 from amorsim.simulation.snapshot import copy_state
@@ -173,10 +174,7 @@ class KeptStages:
         handle = self._simulation.robot(robot, replica)
         group, row = handle._group, handle._row
         if sensor not in group.sensors:
-            known = ", ".join(group.sensors) or "none"
-            raise AmorsimError(
-                f"robot {robot!r} has no sensor {sensor!r}, but: {known}.{did_you_mean(sensor, group.sensors)}"
-            )
+            raise AmorsimError(no_such("sensor", sensor, group.sensors, whose=f"robot {robot!r}"))
         unit = group.sensors[sensor]
         watch = self._watches.get((id(group), sensor))
         moment = group.row_clock.counter[row, 0], group.row_clock.counter[row, 1], int(unit.stamp[row, 0])

@@ -10,11 +10,12 @@ import numpy.typing as npt
 
 from amorsim.contracts import Frame, ObstacleFrame
 from amorsim.core.arguments import check_kind, real, whole
-from amorsim.core.errors import AmorsimError, did_you_mean
+from amorsim.core.errors import AmorsimError
 from amorsim.core.interrupt import Interrupt
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.core.trouble import in_words
+from amorsim.core.unknown_names import no_such
 from amorsim.scenario.chains import is_chain
 from amorsim.scenario.programs import loaded
 from amorsim.scenario.spec import Scenario
@@ -296,16 +297,14 @@ class Simulation:
     def robot(self, name: str, replica: int | None = None) -> RobotHandle:
         """One robot; `replica` is its replica's number, not needed if there is only one."""
         if not isinstance(name, str) or name not in self.names:
-            known = ", ".join(self.names)
-            raise AmorsimError(f"there is no robot {in_words(name)}, but: {known}.{did_you_mean(name, self.names)}")
+            raise AmorsimError(no_such("robot", name, self.names))
         return RobotHandle(lambda: self._fleet, self._fleet.body_of(name, self._replica_index(replica)))
 
     def obstacle(self, name: str, replica: int | None = None) -> ObstacleHandle:
         """One obstacle; `replica` as for `robot`."""
         names = self._fleet.world.names[len(self.names) : self._fleet.world.named]
         if not isinstance(name, str) or name not in names:
-            known = ", ".join(names) or "none"
-            raise AmorsimError(f"there is no obstacle {in_words(name)}, but: {known}.{did_you_mean(name, names)}")
+            raise AmorsimError(no_such("obstacle", name, names))
         return ObstacleHandle(lambda: self._fleet, self._fleet.body_of(name, self._replica_index(replica)))
 
     def map_of(self, replica: int | None = None) -> Map:
@@ -319,7 +318,7 @@ class Simulation:
             return 0
         number = int(replica) if isinstance(replica, (int, np.integer)) else -1
         if number not in self.replicas:
-            raise AmorsimError(f"there is no replica {in_words(replica)}, but: {numbers_in_words(self.replicas)}")
+            raise AmorsimError(f"no replica {in_words(replica)}; known replicas: {numbers_in_words(self.replicas)}")
         return self.replicas.index(number)
 
     def frames(self) -> list[Frame]:

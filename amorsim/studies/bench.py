@@ -7,8 +7,9 @@ from collections.abc import Iterable
 import attrs
 import numpy as np
 
-from amorsim.core.errors import AmorsimError, did_you_mean
+from amorsim.core.errors import AmorsimError
 from amorsim.core.map import Map
+from amorsim.core.unknown_names import no_such
 from amorsim.estimators.dead_reckoning import DeadReckoning
 from amorsim.scenario.initial_belief import InitialBelief
 from amorsim.scenario.paths import changed
@@ -41,7 +42,7 @@ def chosen_robot(scenario: Scenario, name: str | None) -> Robot:
     if name is None:
         return scenario.robots[0]
     if name not in names:
-        raise AmorsimError(f"there is no robot {name!r}, but: {', '.join(names)}.{did_you_mean(name, names)}")
+        raise AmorsimError(no_such("robot", name, names))
     return scenario.robots[names.index(name)]
 
 

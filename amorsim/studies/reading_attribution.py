@@ -9,8 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.controllers.manual import Manual
-from amorsim.core.errors import AmorsimError, did_you_mean
+from amorsim.core.errors import AmorsimError
 from amorsim.core.poses import wrap_angle
+from amorsim.core.unknown_names import no_such
 from amorsim.scenario.spec import MountedSensor, Robot, Scenario
 from amorsim.simulation.simulation import Simulation
 from amorsim.studies.bench import chosen_robot
@@ -135,10 +136,7 @@ def attribute_readings(
 
 def _unit(robot: Robot, sensor: str) -> MountedSensor:
     if sensor not in robot.sensors:
-        known = ", ".join(robot.sensors) or "none"
-        raise AmorsimError(
-            f"robot {robot.name!r} has no sensor {sensor!r}, but: {known}.{did_you_mean(sensor, robot.sensors)}"
-        )
+        raise AmorsimError(no_such("sensor", sensor, robot.sensors, whose=f"robot {robot.name!r}"))
     unit = robot.sensors[sensor]
     columns = unit.sensor.columns()
     if columns:

@@ -17,9 +17,10 @@ import numpy.typing as npt
 
 from amorsim.contracts import Episode
 from amorsim.core.arguments import texts
-from amorsim.core.errors import AmorsimError, ComponentError, ScenarioError, StudyError, did_you_mean
+from amorsim.core.errors import AmorsimError, ComponentError, ScenarioError, StudyError
 from amorsim.core.parameters import ParameterError
 from amorsim.core.trouble import RAISED, error_in_words
+from amorsim.core.unknown_names import no_such
 from amorsim.runs.session import RunSession
 from amorsim.scenario.programs import loaded_component
 from amorsim.scenario.read import load
@@ -151,10 +152,7 @@ def robot_of(measured: Measured, names: Sequence[str]) -> str:
     """
     if measured.robot:
         if measured.robot not in names:
-            raise StudyError(
-                f"metrics.{measured.name}.robot: there is no robot {measured.robot!r}, but: {', '.join(names)}."
-                f"{did_you_mean(measured.robot, names)}"
-            )
+            raise StudyError(f"metrics.{measured.name}.robot: {no_such('robot', measured.robot, names)}")
         return measured.robot
     if len(names) > 1:
         raise StudyError(

@@ -12,9 +12,10 @@ import numpy as np
 
 from amorsim.contracts import Metric
 from amorsim.core.arguments import path_of
-from amorsim.core.errors import DocumentError, ScenarioError, StudyError, did_you_mean
+from amorsim.core.errors import DocumentError, ScenarioError, StudyError
 from amorsim.core.parameters import ParameterError, check_value, describe
 from amorsim.core.reading import is_file
+from amorsim.core.unknown_names import no_such
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.contents import book_of
@@ -346,7 +347,7 @@ def read_metric(
         robot = node.child("robot").text("the name of a robot", "") or ""
         return None if own is None else Measured(name=name, metric=own, robot=robot, source=own.source)
     if use not in names:
-        node.child("use").fault(f"there is no metric called {use!r}; known: {known}.{did_you_mean(use, names)}")
+        node.child("use").fault(no_such("metric", use, names))
         return None
     robot = node.child("robot").text("the name of a robot", "") or ""
     metric: Metric | None = read_component(registry.get("metric", use), node, beside=("use", "robot", *beside))

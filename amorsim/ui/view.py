@@ -39,8 +39,8 @@ def view(
     """Open the Simulator in the browser: what is true next to what the robot knows. Returns after Ctrl-C.
 
     The window's simulation runs in another process, which gets the scenario as a file would give it. So components
-    have to be registered or in a file that the script imports. A function or plain class of one's own is at the top of a
-    file: of one that is imported, or of the script itself, where what the script does stands below
+    have to be registered or in a file that the script imports. A function or plain class of one's own is at the top of
+    a file: of one that is imported, or of the script itself, where what the script does stands below
     ``if __name__ == "__main__":``.
 
     Parameters

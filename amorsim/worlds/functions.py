@@ -7,9 +7,10 @@ from typing import Any
 
 from amorsim.contracts import WorldGenerator
 from amorsim.core.distributions import Distribution
-from amorsim.core.errors import MapError, did_you_mean
+from amorsim.core.errors import MapError
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError, describe
+from amorsim.core.unknown_names import no_such
 from amorsim.worlds.drawn import DrawnParameter, DrawnWorld, can_be_drawn, middle_of
 from amorsim.worlds.made import MadeWorld, make_world
 
@@ -28,8 +29,7 @@ def generated(cls: type[WorldGenerator], seed: int, per: str, options: Mapping[s
     values, drawn = {}, []
     for name, value in options.items():
         if name not in fields:
-            known = ", ".join(fields) or "none"
-            raise MapError(f"{cls.__name__} has no parameter {name!r}, but: {known}.{did_you_mean(name, fields)}")
+            raise MapError(no_such("parameter", name, fields, whose=cls.__name__))
         values[name] = value
         if isinstance(value, Distribution):
             problem = can_be_drawn(fields[name], value)

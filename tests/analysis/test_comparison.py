@@ -298,9 +298,9 @@ def test_what_cannot_be_compared_is_reported(tmp_path: Path) -> None:
         compare()
     with pytest.raises(am.AnalysisError, match=r"estimators: no metric judges 'ekf'; judged are: dead_reckoning"):
         compare(study, axis=TRACK, estimators=["ekf"])
-    with pytest.raises(am.AnalysisError, match=r"there is no axis 'track', but: robots.rover"):
+    with pytest.raises(am.AnalysisError, match=r"no axis 'track'; known axes: robots.rover"):
         compare(study, axis="track")
-    with pytest.raises(am.AnalysisError, match=r"there is no 'eror' that all have, but: final_error, length"):
+    with pytest.raises(am.AnalysisError, match=r"no common metric 'eror'; known common metrics: final_error, length"):
         compare(study, axis=TRACK, metrics=["eror"])
     with pytest.raises(am.AnalysisError, match=r"labels: expected 2 different names"):
         compare(study, study, labels=["a", "a"])

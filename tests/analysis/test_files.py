@@ -139,9 +139,9 @@ def test_a_half_line_of_a_killed_run_is_left_out(folder: Path) -> None:
 
 def test_what_is_not_there_is_named(folder: Path) -> None:
     files = RunFiles(folder)
-    with pytest.raises(am.RunError, match=r"no robot 'rovr', but: rover. Did you mean 'rover'\?"):
+    with pytest.raises(am.RunError, match=r"no robot 'rovr'; did you mean 'rover'\?"):
         files.table("poses", robot="rovr")
-    with pytest.raises(am.RunError, match="no replica 3, but: 4, 2"):
+    with pytest.raises(am.RunError, match="no replica 3; known replicas: 4, 2"):
         files.table("poses", replica=3)
     with pytest.raises(am.RunError, match=r"lidar.csv: cannot be read"):
         files.table("sensors/lidar", replica=4)

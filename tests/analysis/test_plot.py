@@ -269,7 +269,7 @@ def test_a_run_that_did_not_end_says_so(
     [
         ("velocities.csv", "measured_left_wheel", "measured_wheel", r"velocities.csv, line 1: .*'measured_left_wheel'"),
         ("poses.csv", "\n0.100000,rover,1", "\n0.100000,rover,1e999", r"poses.csv, line 3, true_x: expected a "),
-        ("events.csv", "kind", "kinds", r"events.csv, line 1: is damaged: there is no column 'kind'"),
+        ("events.csv", "kind", "kinds", r"events.csv, line 1: is damaged: no column 'kind'"),
         ("estimates/dead_reckoning.csv", "\n0.100000", "\n0.150000", r"dead_reckoning.csv: its times are not those"),
         ("sensors/sonar.csv", "true_3,", "true_33,", r"sonar.csv, line 1: .* 'measured_33'"),
     ],

@@ -138,7 +138,7 @@ def test_mistakes_are_explained(run: Path, bag: Path, mcap: Path, tmp_path: Path
         read_mcap(mcap, "/rover/laser")
     with pytest.raises(am.AnalysisError, match=r"no poses into the frame 'camera' on the topic /tf"):
         read_bag(bag, "/tf", frame="camera")
-    with pytest.raises(am.AnalysisError, match="has no sensor 'lidar', but: "):
+    with pytest.raises(am.AnalysisError, match="has no sensor 'lidar'; known sensors: "):
         read_log(bag, robot, topics={"lidar": "/scan"})
     with pytest.raises(am.AnalysisError, match="there is no topic '/scan'; it has: /clock"):
         list(read_log(bag, robot, topics={"laser": "/scan"}))

@@ -74,7 +74,7 @@ def test_a_damaged_file_is_reported(tmp_path: Path, text: str, words: str) -> No
 
 def test_a_table_without_its_columns_is_reported(tmp_path: Path) -> None:
     (tmp_path / "a.csv").write_text("time,x,z\n1,2,3\n")
-    with pytest.raises(am.AnalysisError, match=r"line 1: there is no column 'y', but: time, x, z"):
+    with pytest.raises(am.AnalysisError, match=r"line 1: no column 'y'; known columns: time, x, z"):
         read_csv(tmp_path / "a.csv")
     with pytest.raises(am.AnalysisError, match=r"cannot be read"):
         read_csv(tmp_path / "none.csv")
@@ -90,7 +90,7 @@ def test_a_run_has_trajectories(tmp_path: Path) -> None:
     assert np.abs(believed.poses[1:] - kept["estimated_pose"][:, 1]).max() < 1e-6
     _, reckoned = run_trajectories(tmp_path / "run", replica=1, estimator="dead_reckoning")
     assert (reckoned.poses == believed.poses).all()
-    with pytest.raises(am.RunError, match=r"no estimates of 'ekf', but of: dead_reckoning"):
+    with pytest.raises(am.RunError, match=r"no estimator 'ekf'; known estimators: dead_reckoning"):
         run_trajectories(tmp_path / "run", replica=0, estimator="ekf")
     with pytest.raises(am.RunError, match=r"there are 2 replicas"):
         run_trajectories(tmp_path / "run")

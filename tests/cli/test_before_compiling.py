@@ -40,7 +40,7 @@ def test_a_mistyped_name_is_reported_before_anything_is_compiled(amorsim: Comman
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ("robots.rover.wheels=3", "wheels: there is no such key"),
+        ("robots.rover.wheels=3", "wheels: unknown key"),
         ("robots.rover.controller.use=wandr", "Did you mean 'wander'?"),
         ("robots.rover.drive.track=-1", "track: expected"),
         ("simulation.dt=fast", "dt: expected"),
@@ -138,5 +138,5 @@ def test_to_look_at_the_words_compiles_nothing_in_truth(study: Path, tmp_path: P
         text=True,
     )
     assert (ended.returncode, ended.stdout) == (2, "")
-    assert "rang: there is no such key" in ended.stderr
+    assert "rang: unknown key" in ended.stderr
     assert not list(cache.rglob("*.nb?"))

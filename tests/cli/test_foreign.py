@@ -60,7 +60,7 @@ def test_settings_and_a_resolution_are_for_the_file_too(amorsim, world) -> None:
     result = amorsim("check", world, "--resolved", "--resolution", 0.1, "--set", "loader.sonar_as_ray=true")
     assert result.status == 0, result.err
     assert "resolution = 0.1" in result.out
-    assert "there is no such key" in amorsim("check", world, "--set", "loader.rays=true").err
+    assert "unknown key" in amorsim("check", world, "--set", "loader.rays=true").err
 
 
 def test_the_window_shows_a_stage_world(world) -> None:

@@ -74,7 +74,7 @@ def test_what_cannot_be_run(
         ("rooms.wld", "romms.wld", ("world.map", "romms.wld: there is no such file")),
         ("pioneer2dx", "pionier2dx", ("robots.rover.model", "'pionier2dx'", "Did you mean 'pioneer2dx'?")),
         ("controller.py:drive", "controller.py:driv", ("controller.use", "there is no 'driv'", "'drive'?")),
-        ("controller.py:drive", "wonder", ("there is no controller called 'wonder'", "Did you mean 'wander'?")),
+        ("controller.py:drive", "wonder", ("no controller 'wonder'", "Did you mean 'wander'?")),
         ("x = 1.0", "x = 4.0", ("robots.rover.pose: at (4.000, 1.000) m the footprint overlaps a wall",)),
         ("track = {", "trak = {", ("errors.drive.trak", "Did you mean 'track'?")),
         ("format = 1", "format = 1 1", ("scenario.toml:5: not valid TOML",)),

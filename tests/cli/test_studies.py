@@ -83,7 +83,7 @@ def test_umbmark_refuses_what_it_is_not_for(monkeypatch: pytest.MonkeyPatch) -> 
     for options, words in (
         ("--speed 0.5", "speed: expected a number > 0 and <= 0.2 m/s"),
         ("--runs 1", "runs: expected 2 at least"),
-        ("--robot nobody", "there is no robot 'nobody'"),
+        ("--robot nobody", "no robot 'nobody'"),
         ("--seed -1", "--seed: expected a whole number"),
         ("--in-its-world", "robot 'rover' met 'wall'"),
     ):

@@ -115,7 +115,7 @@ def test_lines_can_be_written_as_pixels_too(tmp_path: Path) -> None:
     ("name", "words"),
     [
         ("plan.jpg", "a JPEG blurs the cells"),
-        ("plan.xyz", r"no format of maps is known by this extension, but: \.bmp, .*\.png, .*\.wld"),
+        ("plan.xyz", r"no map of a known format; known extensions: \.bmp, .*\.png, .*\.wld"),
         ("plan", "no format of maps"),
         ("none/plan.png", "No such file"),
     ],

@@ -106,11 +106,11 @@ def test_nesting_without_end_is_refused(folder: Path, text: str) -> None:
         ("events.csv", "7,0.200000,rover,parameter_set", "7,0.200000,rove,parameter_set", r"line 3, value: .*'rove'"),
         ("events.csv", "7,0.200000,rover,parameter_set", "8,0.200000,rover,parameter_set", r"line 3, replica: "),
         ("events.csv", ",2\n", ",two\n", r"line 2, tick: expected a whole number >= 0, got 'two'"),
-        ("events.csv", "kind", "kinds", r"line 1: is damaged: there is no column 'kind'"),
+        ("events.csv", "kind", "kinds", r"line 1: is damaged: no column 'kind'"),
         ("commands.csv", "\n3,0.300000", "\n3,nan", r"line 8, time: expected a finite number, got 'nan'"),
         ("commands.csv", "\n3,0.300000,rover,", "\n3,0.300000,rover,x", r"line 8, left: expected a finite number"),
         ("commands.csv", "\n3,0.300000,", "\n5,0.300000,", r"line 8, replica: there is no replica 5"),
-        ("commands.csv", "left", "levt", r"line 1: is damaged: there is no column 'left'.* Did you mean 'levt'"),
+        ("commands.csv", "left", "levt", r"line 1: is damaged: no column 'left'.* Did you mean 'levt'"),
         ("commands.csv", "\n3,0.300000,rover,", "\n3,0.300000,", r"line 8: is damaged: expected 5 cells, got 4"),
     ],
 )

@@ -71,7 +71,7 @@ def test_a_replica_is_drawn_by_its_number() -> None:
 @pytest.mark.parametrize(
     ("what", "options", "words"),
     [
-        ("simulation", {"replica": 7}, "there is no replica 7, but: 0, 1"),
+        ("simulation", {"replica": 7}, "no replica 7; known replicas: 0, 1"),
         ("simulation", {"kept": {"covariance": np.zeros((3, 2, 3, 3))}}, "expected true_pose or estimated_pose in it"),
         ("simulation", {"kept": {"true_pose": np.zeros((2, 3))}}, "expected poses (T, 2, 3)"),
         ("simulation", {"kept": {"true_pose": np.zeros((9, 5, 3))}}, "expected poses (T, 2, 3)"),

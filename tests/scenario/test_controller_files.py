@@ -46,7 +46,7 @@ def test_a_reference_that_is_none(tmp_path, use):
 @pytest.mark.parametrize(
     ("text", "name", "options", "words"),
     [
-        (FUNCTION, "drove", {}, r"there is no 'drove' in .*mine\.py, but: drive\. Did you mean 'drive'\?"),
+        (FUNCTION, "drove", {}, r"mine\.py: no definition 'drove'; did you mean 'drive'\?"),
         ("x = 3\n", "x", {}, r"'x' in .* is neither a function nor a class, but 3"),
         ("x = 1\ndef f(:\n", "f", {}, r"mine\.py, line 2: SyntaxError: "),
         ("x = 1\n\nimport no_such_module_anywhere\n", "f", {}, r"line 3: ModuleNotFoundError: .*no_such_module"),

@@ -185,7 +185,7 @@ def test_what_leaves_the_text_as_it_was_is_no_step(tmp_path):
     ("do", "words"),
     [
         (lambda document: document.get("robots.rovr.pose"), "Did you mean 'rover'?"),
-        (lambda document: document.get("robots.2"), "there is no '2' among these, but 2 of them: rover, scout"),
+        (lambda document: document.get("robots.2"), "no robot '2'; known robots: rover, scout"),
         (
             lambda document: document.set("robots.rover.name.first", 1),
             "there is nothing under robots.0.name: it is 'rover'",

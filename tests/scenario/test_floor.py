@@ -62,7 +62,7 @@ def test_what_is_written_reads_the_same(tmp_path):
     ("text", "message"),
     [
         ("[floor]\nreflectance = 2", r"floor\.reflectance: .*<= 1"),
-        ("[floor]\ncolour = 'red'", r"floor\.colour: there is no such key"),
+        ("[floor]\ncolour = 'red'", r"floor\.colour: unknown key"),
         ("[[floor.markings]]\nwidth = 0.1", "the points of a line or the shape of an area"),
         ("[[floor.markings]]\npoints = [[0, 0]]", r"floor\.markings\.0\.points: expected two points at least, got 1"),
         (
@@ -77,7 +77,7 @@ def test_what_is_written_reads_the_same(tmp_path):
         ("[[floor.markings]]\npoints = [[0, 0], [1, 0]]\ncolour = 'blak'", r"colour: expected a colour's name"),
         ("[[floor.drops]]\ndepth = 1.0", r"floor\.drops\.0\.shape: missing"),
         ("[[floor.drops]]\nshape = { circle = 1 }\ndepth = 0", r"floor\.drops\.0\.depth: "),
-        ("[[floor.marking]]\nwidth = 1", r"floor\.marking: there is no such key.*'markings'"),
+        ("[[floor.marking]]\nwidth = 1", r"floor\.marking: unknown key.*'markings'"),
         ("floor = 3", "floor: expected a table"),
     ],
 )

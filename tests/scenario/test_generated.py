@@ -85,7 +85,7 @@ def test_an_override_changes_the_seed() -> None:
         ('map = { generate = "maze", seed = true }', "world.map.seed", "expected a whole number from 0"),
         ('map = { generate = "maze", lops = 0.5 }', "world.map.lops", "Did you mean 'loops'?"),
         ('map = { generate = "maze", loops = 2 }', "world.map.loops", "<= 1"),
-        ('map = { generate = "maze" }\nresolution = 0.1', "world.resolution", "no such key"),
+        ('map = { generate = "maze" }\nresolution = 0.1', "world.resolution", "unknown key"),
     ],
 )
 def test_a_fault_is_found_without_making_the_world(tmp_path: Path, world: str, path: str, words: str) -> None:

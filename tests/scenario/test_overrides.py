@@ -160,9 +160,9 @@ def test_a_path_of_the_command_line_starts_where_it_was_typed(read, tmp_path, mo
         ("simulation.dt=inf", "simulation.dt", "got inf"),
         ("simulation.dt=1\nseed=3", "simulation.dt", "got '1\\nseed=3'"),
         ("robots.rovr.pose.x=1", "robots.rovr", "Did you mean 'rover'?"),
-        ("robots.2.pose.x=1", "robots.2", "there is no '2' among these, but 2 of them: rover, scout"),
+        ("robots.2.pose.x=1", "robots.2", "no robot '2'; known robots: rover, scout"),
         ("robots.0.name.first=x", "robots.0.name.first", "there is nothing under robots.0.name: it is 'rover'"),
-        ("robots.0.sensors.laser.noise.3.std=1", "robots.0.sensors.laser.noise.3", "2 of them: gaussian, quantize"),
+        ("robots.0.sensors.laser.noise.3.std=1", "robots.0.sensors.laser.noise.3", "no element '3'; known elements: gaussian, quantize"),
         ("robots.0.sensors.laser.rnage_max=1", "robots.0.sensors.laser.rnage_max", "Did you mean 'range_max'?"),
         (
             "robots.0.sensors.laserr.range_max=1",
@@ -210,10 +210,10 @@ def test_an_item_of_a_list_that_nobody_said_is_changed_in_its_default(read):
     values = read(khepera).robots[0].sensors["infrared"].sensor.values
     changed = read(khepera, "robots.0.sensors.infrared.values.1=700.0").robots[0].sensors["infrared"].sensor.values
     assert changed == (values[0], 700.0, *values[2:])
-    with pytest.raises(ScenarioError, match=f"there is no '99' among these, but {len(values)} of them"):
+    with pytest.raises(ScenarioError, match=f"no value '99'; known values: 0 to {len(values) - 1}"):
         read(khepera, "robots.0.sensors.infrared.values.99=700.0")
 
 
 def test_an_item_of_a_list_that_is_empty_is_a_fault(read):
-    with pytest.raises(ScenarioError, match=r"obstacles.0: there is no '0' among these, but 0 of them"):
+    with pytest.raises(ScenarioError, match=r"obstacles.0: no obstacle '0'; known obstacles: none"):
         read(TWO, "obstacles.0.name=box")

@@ -35,12 +35,12 @@ PLANNED = f'{{ use = "navigate", goals = [[1.0, 1.0]], planner = {{ use = "a_sta
         (
             {"estimators": '{ chart = { use = "grid_mapping", estimator = "pose" } }'},
             "robots.0.estimators.chart.estimator",
-            "no estimator 'pose', but: dead_reckoning, chart",
+            "no estimator 'pose'; known estimators: dead_reckoning, chart",
         ),
         (
             {"ground": f"[{SLIP % 'left_wheel'}, {SLIP % 'middle'}]"},
             "robots.0.ground.1.joint",
-            "no joint 'middle', but: left_wheel",
+            "no joint 'middle'; known joints: left_wheel",
         ),
     ],
 )

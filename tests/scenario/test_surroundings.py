@@ -111,7 +111,7 @@ def test_a_setting_moves_a_landmark(folder, registry):
         ('colour = "#00ff00"', 'colour = "#00ff0"', "obstacles.0.colour", "CSS"),
         ("fiducial = 12", "fiducial = 1.5", "robots.0.fiducial", "whole number"),
         ("id = 2", "id = 0", "landmarks.1.id", ">= 1"),
-        ("id = 2", "name = 'b'\nid = 2", "landmarks.1.name", "no such key"),
+        ("id = 2", "name = 'b'\nid = 2", "landmarks.1.name", "unknown key"),
         ("intensity = 5.0", "intensity = -5.0", "lights.0.intensity", ">= 0"),
         ('landmarks = "world"', 'landmarks = "map"', "robots.0.knowledge.landmarks", "'world'"),
         ("{ id = 4, x = 2.0,", "{ id = 4,", "robots.1.knowledge.landmarks.1.x", "missing"),

@@ -199,13 +199,13 @@ def test_a_runs_folder_carries_the_file_and_reproduces_elsewhere(path: Path, tmp
     [
         ("bias_deg = 10.0", "bias_deg = 100.0", "estimators.turned.bias_deg", "<= 57.2958, got 100.0"),
         ("bias_deg = 10.0", "bias = 0.1", "estimators.turned.bias", "this is an angle: write bias_deg"),
-        ("shift = 0.5", "shaft = 0.5", "estimators.still.use", "Did you mean 'shift'?"),
+        ("shift = 0.5", "shaft = 0.5", "estimators.still.use", "id you mean 'shift'?"),
         ("mine.py:Still", "mine.py:alone", "estimators.still.use", "expected a class, as an estimator remembers"),
-        ("mine.py:Still", "mine.py:Stil", "estimators.still.use", "Did you mean 'Still'?"),
+        ("mine.py:Still", "mine.py:Stil", "estimators.still.use", "id you mean 'Still'?"),
         ("mine.py:Still", "mine.py:Glide", "estimators.still", "expected"),
         ("mine.py:Straight", "mine.py:Still", "controller.planner.use", "expected a subclass of am.Planner"),
         ("mine.py:Straight", "mine.py:Bounce", "controller.planner.use", "expected a subclass of am.Planner"),
-        ("bend = 0.5", "bent = 0.5", "controller.planner.bent", "Did you mean 'bend'?"),
+        ("bend = 0.5", "bent = 0.5", "controller.planner.bent", "id you mean 'bend'?"),
         ("mine.py:Count", "mine.py:alone", "recording.also.0.use", "expected a subclass of am.Recorder"),
         ("speed = 0.05", "speed = 'fast'", "motion.speed", "got 'fast'"),
     ],
@@ -303,7 +303,7 @@ def test_a_planner_in_a_file_is_asked_for_by_name(path: Path) -> None:
     planner = read_planner(f"{path.parent / 'mine.py'}:Straight", ["bend=0.25"])
     assert type(planner).__name__ == "Straight"
     assert planner.bend == 0.25  # type: ignore[attr-defined]
-    with pytest.raises(am.ScenarioError, match="Did you mean 'bend'"):
+    with pytest.raises(am.ScenarioError, match="id you mean 'bend'"):
         read_planner(f"{path.parent / 'mine.py'}:Straight", ["bent=0.25"])
 
 
@@ -331,7 +331,7 @@ def test_a_study_names_what_is_wrong_with_its_metric(path: Path, tmp_path: Path)
         am.sweep(study(path, "Straight"), tmp_path / "out")
     tables = study(path, "Last")
     tables["metrics"]["end"]["prt"] = 2  # type: ignore[index]
-    with pytest.raises(am.StudyError, match=r"metrics.end.prt: .*Did you mean 'part'"):
+    with pytest.raises(am.StudyError, match=r"metrics.end.prt: .*id you mean 'part'"):
         am.sweep(tables, tmp_path / "out")
 
 

@@ -44,7 +44,7 @@ def test_zones_are_read_and_written_again(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("changes", "path", "problem"),
     [
-        ({"slip": 0.3}, "zones.0.slip", "there is no such key, but: name, shape, pose, ground"),
+        ({"slip": 0.3}, "zones.0.slip", "unknown key; known keys: name, shape, pose, ground"),
         ({"shape": {"circle": -1.0}}, "zones.0.shape.circle", "above 0 m"),
         ({"shape": {"polygon": [[0, 0], [1, 0], [0, 1]], "rounding": 0.1}}, "zones.0.shape", "without rounding"),
         ({"ground": [{"use": "scale", "factor": -1}]}, "zones.0.ground.0.factor", "> 0"),

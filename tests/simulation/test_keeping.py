@@ -125,7 +125,7 @@ def test_only_beliefs_that_are_kept_are_computed() -> None:
 
 def test_an_unknown_belief_is_told_with_those_that_there_are() -> None:
     given = building.scenario(building.robot(controller=building.Roam(), estimators={"it": Counting()}))
-    with pytest.raises(am.AmorsimError, match=r"no belief 'smal', but: large, other, small\. Did you mean 'small'"):
+    with pytest.raises(am.AmorsimError, match=r"no belief 'smal'; known beliefs: large, other, small\. Did you mean 'small'"):
         am.Simulation(given).run(1.0, keep=("beliefs.it.smal",))
 
 
@@ -133,10 +133,10 @@ def test_an_unknown_belief_is_told_with_those_that_there_are() -> None:
     ("name", "words"),
     [
         ("true_poses", "Did you mean 'true_pose'?"),
-        ("readings.lazer", "no sensor 'lazer', but: encoder, laser. Did you mean 'laser'?"),
-        ("readings.laser.value", "no quantity 'value', but: age, fresh, measured, stamp, true"),
+        ("readings.lazer", "no sensor 'lazer'; known sensors: encoder, laser. Did you mean 'laser'?"),
+        ("readings.laser.value", "no quantity 'value'; known quantities: age, fresh, measured, stamp, true"),
         ("estimates.ekf.pose", "no estimator 'ekf'"),
-        ("beliefs.dead_reckoning.nis", "no estimator with beliefs 'dead_reckoning', but: none"),
+        ("beliefs.dead_reckoning.nis", "no estimator of beliefs 'dead_reckoning'; known estimators of beliefs: none"),
         (3, "keep: expected a list of names, each a text, got 3 among them"),
     ],
 )

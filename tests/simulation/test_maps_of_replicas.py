@@ -278,7 +278,7 @@ def test_a_world_without_what_is_drawn_is_no_different(tmp_path: Path) -> None:
 FAULTS = [
     ('per = "row"', "world.map.per", "expected 'study' or 'replica', got 'row'"),
     ("density = { uniform = [0.3, 0.05] }", "world.map.density.uniform", "expected low <= high"),
-    ("density = { uniform = [0.05, 0.3], par = 1 }", "world.map.density.par", "there is no such key"),
+    ("density = { uniform = [0.05, 0.3], par = 1 }", "world.map.density.par", "unknown key"),
     ('density = { normal = [0.1, 0.1], per = "day" }', "world.map.density.per", "replica"),
     ("density = { normal = [-5.0, 0.1] }", "world.map.density", "expected a number"),
     ("size = { uniform = [4.0, 9.0] }", "world.map.size", "only a number can be drawn"),

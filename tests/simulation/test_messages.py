@@ -17,7 +17,7 @@ from tests import building
         (
             "errors.drive.track",
             {"scal": 1.0},
-            "an error has no 'scal', but: scale, add, value, per. Did you mean 'scale'",
+            "an error has no key 'scal'; known keys: scale, add, value, per. Did you mean 'scale'",
         ),
         ("errors", 1.0, "ends with one of"),
         ("errors.drive.trak.scale", 1.0, "Did you mean 'track'?"),
@@ -75,7 +75,7 @@ def test_a_velocity_that_is_too_large_to_be_computed_with_is_reported_in_words()
 @pytest.mark.parametrize("value", [10**5000, Nameless(), "x", math.nan], ids=lambda value: type(value).__name__)
 def test_odd_replicas_and_seeds_are_reported_in_words(value):
     sim = am.Simulation(building.scenario())
-    with pytest.raises(am.AmorsimError, match=r"^there is no replica .+, but: 0"):
+    with pytest.raises(am.AmorsimError, match=r"^no replica .+; known replicas: 0"):
         sim.robot("rover", value)
     with pytest.raises((am.AmorsimError, am.ParameterError), match=r"expected|memory"):
         am.Simulation(building.scenario(), replicas=value)
@@ -86,9 +86,9 @@ def test_odd_replicas_and_seeds_are_reported_in_words(value):
 @pytest.mark.parametrize("name", [None, 3, ["rover"]])
 def test_a_name_that_is_no_text_is_reported_in_words(name):
     sim = am.Simulation(building.scenario())
-    with pytest.raises(am.AmorsimError, match=r"there is no robot .*, but: rover"):
+    with pytest.raises(am.AmorsimError, match=r"no robot .*; (known robots: rover|did you mean 'rover')"):
         sim.set(name, "drive.track", 1.0)
-    with pytest.raises(am.AmorsimError, match=r"there is no obstacle .*, but: none"):
+    with pytest.raises(am.AmorsimError, match=r"no obstacle .*; known obstacles: none"):
         sim.obstacle(name)
 
 
@@ -115,9 +115,9 @@ def test_replicas_are_a_number_or_numbers(replicas):
 
 def test_names_and_paths_that_are_no_texts_are_refused_with_words():
     sim = am.Simulation(building.scenario())
-    with pytest.raises(am.AmorsimError, match="there is no robot 0, but: rover"):
+    with pytest.raises(am.AmorsimError, match="no robot 0; known robots: rover"):
         sim.robot(0)
-    with pytest.raises(am.AmorsimError, match="there is no robot None, but: rover"):
+    with pytest.raises(am.AmorsimError, match="no robot None; known robots: rover"):
         sim.set(None, "drive.track", 0.3)
 
 

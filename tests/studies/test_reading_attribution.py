@@ -93,7 +93,7 @@ def test_what_cannot_be_explained_is_said() -> None:
     scenario = building.scenario(robot)
     with pytest.raises(am.AmorsimError, match=r"several quantities \(range, bearing, id\), whose errors have no sum"):
         attribute_readings(scenario, "finder")
-    with pytest.raises(am.AmorsimError, match=r"no sensor 'fnder', but: finder. Did you mean 'finder'"):
+    with pytest.raises(am.AmorsimError, match=r"no sensor 'fnder'; did you mean 'finder'"):
         attribute_readings(scenario, "fnder")
     with pytest.raises(am.AmorsimError, match="expected a whole number > 0"):
         attribute_readings(scenario, "finder", replicas=0)

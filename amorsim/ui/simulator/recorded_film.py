@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.errors import RunError
+from amorsim.core.unknown_names import no_such
 from amorsim.runs.about import read_about
 from amorsim.runs.reel import Reel, shown_bodies
 from amorsim.scenario.spec import Obstacle, Robot
@@ -58,8 +59,7 @@ def film_recorded(
     replicas: list[int] = about["replicas"]
     replica = replicas[0] if replica is None else replica
     if replica not in replicas:
-        known = ", ".join(map(str, replicas[:20])) + (" ..." if len(replicas) > 20 else "")
-        raise RunError(f"{folder}: there is no replica {replica}, but: {known}")
+        raise RunError(f"{folder}: {no_such('replica', replica, replicas)}")
     dt = float(about["dt"])
     problems: list[str] = []
     files = RecordedFiles(folder, dt, replicas, problems.append if noted is None else noted)

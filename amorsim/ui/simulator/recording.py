@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from amorsim.core.errors import RunError
 from amorsim.core.rows import stack
+from amorsim.core.unknown_names import no_such
 from amorsim.runs.about import read_about
 from amorsim.runs.tables import Line, read_lines
 from amorsim.simulation.events import Event
@@ -93,8 +94,7 @@ class Recording(Source):
             If the run has no such replica.
         """
         if replica not in self.replicas:
-            known = ", ".join(map(str, self.replicas[:20])) + (" ..." if len(self.replicas) > 20 else "")
-            raise RunError(f"{self._folder}: there is no replica {replica}, but: {known}")
+            raise RunError(f"{self._folder}: {no_such('replica', replica, self.replicas)}")
         self.replica = self._files.replica = replica
         self._events = self._read_events()
         self._scenes.build(replica)

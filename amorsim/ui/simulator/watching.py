@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from amorsim.core.errors import AmorsimError, did_you_mean
+from amorsim.core.unknown_names import no_such
 from amorsim.ui.scene.wire import Scene
 from amorsim.ui.simulator.pace import Pace
 from amorsim.ui.simulator.protocol import State
@@ -84,7 +85,7 @@ class Watching(abc.ABC):
             return names[robot]
         if isinstance(robot, str):
             if robot not in names:
-                raise AmorsimError(f"there is no robot {robot!r}, but: {', '.join(names)}.{did_you_mean(robot, names)}")
+                raise AmorsimError(no_such("robot", robot, names))
             return robot
         raise AmorsimError(f"expected a robot's name or its place from 0 to {len(names) - 1}, got {robot!r}")
 

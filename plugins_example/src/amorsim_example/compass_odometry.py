@@ -61,7 +61,7 @@ class CompassOdometry(am.Estimator):
         for field, name in (("encoder", self.encoder), ("compass", self.compass)):
             if name not in sensors:
                 raise am.ComponentError(
-                    f"compass_odometry: the robot has no sensor {name!r}, but: {', '.join(sensors) or 'none'}; "
+                    f"compass_odometry: the robot has no sensor {name!r}; it has: {', '.join(sensors) or 'none'}; "
                     f"name one of them in the field {field!r}"
                 )
         if not hasattr(sensors[self.encoder].sensor, "angles"):

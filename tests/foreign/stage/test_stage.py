@@ -170,7 +170,7 @@ def test_what_stage_gets_wrong_is_an_option(write) -> None:
 
 def test_options_are_checked(write) -> None:
     path = write(ROOM + "position()")
-    with pytest.raises(ScenarioError, match=r"there is no such key.* Did you mean 'sonar_as_ray'"):
+    with pytest.raises(ScenarioError, match=r"unknown key.* Did you mean 'sonar_as_ray'"):
         am.load(path, ["loader.sonar_as_rays=true"])
     with pytest.raises(ScenarioError, match=r"loader\.sonar_as_ray: expected true or false"):
         am.load(path, ["loader.sonar_as_ray=1"])

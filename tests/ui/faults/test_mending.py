@@ -97,7 +97,7 @@ def test_the_faults_come_first_then_what_can_be_drawn_and_the_simulation_once_th
         assert (fault["line"], fault["path"], fault["value"]) == (8, "robots.rover.controller.use", "'wader'")
         assert fault["said"] == 'controller = { use = "wader" }'
         assert fault["remedy"] == "Did you mean 'wander'?"
-        assert fault["message"].startswith("there is no controller called 'wader'")
+        assert fault["message"].startswith("no controller 'wader'")
         assert said["still"] is None
         said = await following()
         assert (said["status"], said["faults"]) == ("faulty", [fault])

@@ -71,7 +71,7 @@ def test_another_replica_is_filmed(recorded: Path, tmp_path: Path) -> None:
     first, other = frames(tmp_path / "run.gif"), frames(tmp_path / "4.gif")
     assert changed(first[0], other[0]) < 2e-3  # each film has a palette of its own
     assert changed(first[-1], other[-1]) > 1e-2
-    with pytest.raises(am.RunError, match="there is no replica 7, but: 0, 4"):
+    with pytest.raises(am.RunError, match="no replica 7; known replicas: 0, 4"):
         film_recorded(recorded, tmp_path / "7.gif", replica=7)
 
 

@@ -190,7 +190,7 @@ def test_replicas_are_shown_one_at_a_time(opened: Open, tmp_path: Path) -> None:
         assert not np.isnan(shown.selected.measured).any()
     assert recording.epoch > epoch
     assert recording.scene["version"] > version
-    assert "there is no replica 5, but: 4, 0, 17" in does.carry_out({"do": "replica", "number": 5})["error"]
+    assert "no replica 5; known replicas: 4, 0, 17" in does.carry_out({"do": "replica", "number": 5})["error"]
 
 
 def test_beliefs_are_those_of_the_last_file(opened: Open, tmp_path: Path) -> None:
@@ -312,7 +312,7 @@ def _put(name: str, text: str) -> Callable[[Path], Any]:
         (shutil.rmtree, "expected the folder of a run, with a run.json in it"),
         (_remove("poses.csv"), "poses.csv: cannot be read"),
         (_put("poses.csv", ""), "poses.csv, line 1: is damaged"),
-        (_put("poses.csv", "time,robot,true_x\n"), "poses.csv, line 1: is damaged: there is no column"),
+        (_put("poses.csv", "time,robot,true_x\n"), "poses.csv, line 1: is damaged: no column"),
         (_remove("scenario.toml"), "scenario.toml: cannot be read"),
         (_put("scenario.toml", "robots = 3"), "scenario.toml: the map cannot be read"),
         (_put("scenario.toml", "[world"), "scenario.toml: the map cannot be read: .*not valid TOML"),

@@ -395,7 +395,7 @@ def test_what_a_controller_prints_goes_to_the_log(
 
 def test_faults_of_a_scenario_are_reported_as_run_reports_them(tmp_path: Path) -> None:
     path = write_project(tmp_path)
-    with pytest.raises(am.AmorsimError, match="there is no such key, but") as caught:
+    with pytest.raises(am.AmorsimError, match="unknown key; known keys") as caught:
         asyncio.run(Session(Recipe(name=str(path), changes=["robots.0.nme=3"])).start())
     with pytest.raises(am.ScenarioError) as directly:
         am.load(path, ["robots.0.nme=3"])
