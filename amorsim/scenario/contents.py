@@ -9,7 +9,7 @@ from typing import Any
 
 import attrs
 
-from amorsim.core.errors import MapError
+from amorsim.core.errors import MapError, did_you_mean
 from amorsim.core.map import Map
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.alike import read_alike
@@ -53,8 +53,24 @@ def read_values(
 ) -> dict[str, Any]:
     """What a `Scenario` is made with, as far as there is no fault in the book afterwards."""
     book.document = document
+    if problem := _not_a_scenario(document):
+        Node(document, (), book).fault(problem)
+        return {}
     merge_models(document, book, registry)
     return read_top(Node(document, (), book), registry, maps, starts, is_map_alone)
+
+
+_OTHERS = {"metrics": "a study runs with `amorsim sweep`", "criteria": "a rubric is for `amorsim grade`"}
+
+
+def _not_a_scenario(document: Mapping[str, Any]) -> str:
+    """What to say of a file with other tables than those of a scenario, however misspelt; empty for a scenario."""
+    others = [str(key) for key in document if key not in _KEYS]
+    if len(others) < 2 or set(_KEYS[2:]) & set(document) or any(did_you_mean(key, _KEYS) for key in others):
+        return ""
+    keys = ", ".join([str(key)[:40] for key in document][:12])
+    other = next((f"; {said}" for key, said in _OTHERS.items() if key in document), "")
+    return f"not a scenario: expected [world] and [[robots]], got the keys {keys}{other}"
 
 
 def read_top(top: Node, registry: Registry, maps: Maps, starts: bool, is_map_alone: bool) -> dict[str, Any]:

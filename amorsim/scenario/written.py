@@ -29,6 +29,10 @@ class BadLine:
     message: str
 
 
+_GOOD = ("pair", "table", "array")
+_ALL_BAD = 3  # lines, from which on a file without a good one is no TOML at all
+
+
 class Written:
     """What a file's text means without its bad lines, and these."""
 
@@ -48,7 +52,11 @@ class Written:
         return self._statements
 
     def faults(self, file: str) -> list[Fault]:
-        """The bad lines as faults of the file."""
+        """The bad lines as faults of the file; one fault if no line is good."""
+        if len(self.bad) >= _ALL_BAD and not self.values and not any(each.kind in _GOOD for each in self.statements):
+            first = self.bad[0]
+            message = "not a file of TOML: none of its lines is KEY = VALUE or [TABLE]"
+            return [Fault(file=file, path="", message=message, line=first.line, value=first.text)]
         return [Fault(file=file, path="", message=each.message, line=each.line, value=each.text) for each in self.bad]
 
 

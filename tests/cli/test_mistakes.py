@@ -48,7 +48,7 @@ def assert_refused(amorsim: Command, folder: Path, *arguments: object, says: tup
         (["study/rooms.wld", "--resolution", "nan"], ("resolution: expected a number [m] > 0, got nan",)),
         (["study/rooms.wld", "--resolution", "-1"], ("resolution: expected a number [m] > 0, got -1.0",)),
         (["study/scenario.toml", "--set", "foo"], ("--set foo: expected PATH=VALUE",)),
-        (["study/scenario.toml", "--set", "robots.5.name=x"], ("robots.5: there is no '5'",)),
+        (["study/scenario.toml", "--set", "robots.5.name=x"], ("robots.5: no robot '5'; known robots: rover",)),
         (["study/scenario.toml", "--out", "study"], ("study: the folder holds files already",)),
         (["study/scenario.toml", "--out", "study/rooms.wld"], ("study/rooms.wld: is a file",)),
         (["study/scenario.toml", "--out", "study/rooms.wld/run"], ("cannot make this folder",)),
@@ -73,7 +73,7 @@ def test_what_cannot_be_run(
         ("heading_deg", "heading", ("robots.rover.pose.heading", "write heading_deg")),
         ("rooms.wld", "romms.wld", ("world.map", "romms.wld: there is no such file")),
         ("pioneer2dx", "pionier2dx", ("robots.rover.model", "'pionier2dx'", "Did you mean 'pioneer2dx'?")),
-        ("controller.py:drive", "controller.py:driv", ("controller.use", "there is no 'driv'", "'drive'?")),
+        ("controller.py:drive", "controller.py:driv", ("controller.use", "no definition 'driv'", "'drive'?")),
         ("controller.py:drive", "wonder", ("no controller 'wonder'", "Did you mean 'wander'?")),
         ("x = 1.0", "x = 4.0", ("robots.rover.pose: at (4.000, 1.000) m the footprint overlaps a wall",)),
         ("track = {", "trak = {", ("errors.drive.trak", "Did you mean 'track'?")),
@@ -127,7 +127,7 @@ def test_files_of_something_else(
         ("def drive(readings, estimate, clock, speed)\n    pass\n", ("line 1: SyntaxError",)),
         ("import numpyy\n\n\ndef drive(r, e, c, speed):\n    pass\n", ("line 1: ModuleNotFoundError", "'numpyy'")),
         ("def one():\n    return 1 / 0\n\n\ndrive = one()\n", ("line 2: ZeroDivisionError",)),
-        ("def other():\n    pass\n", ("there is no 'drive'", "other")),
+        ("def other():\n    pass\n", ("no definition 'drive'; known definitions: other",)),
         ("def drive(readings, speed):\n    pass\n", ("cannot be called as drive(readings, estimate, clock",)),
         ("def drive(r, e, c, speed):\n    return 'left'\n", ("returned 'left'", "am.Twist(forward, turn)")),
         ("def drive(r, e, c, speed):\n    return float('nan'), 1.0\n", ("nan is not finite",)),
@@ -229,3 +229,24 @@ def test_names_that_are_too_long_for_a_file(
 ) -> None:
     given = [part.replace("LONG", "n" * 300) for part in arguments]
     assert_refused(amorsim, tmp_path, *given, says=("n" * 300, "File name too long"))
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("Dear student,\nplease run this.\nThe lecturer\n", "x.toml:1: not a file of TOML: none of its lines is KEY ="),
+        ("a: 1\nb: 2\nc:\n  d: 3\n", "x.toml:1: not a file of TOML"),
+        (
+            "format = 1\nscenario = 'a.toml'\nreplicas = 3\n[metrics]\n",
+            "x.toml: not a scenario: expected [world] and [[robots]], got the keys format, scenario, replicas, metrics; "
+            "a study runs with `amorsim sweep`",
+        ),
+        ("[project]\nname = 'x'\n[tool.ruff]\nline-length = 3\n", "got the keys project, tool"),
+    ],
+)
+def test_a_file_that_is_no_scenario_is_refused_once(amorsim, tmp_path, text, says):
+    (tmp_path / "x.toml").write_text(text)
+    done = amorsim("run", tmp_path / "x.toml")
+    assert done.status == 2
+    assert says in done.err
+    assert len(done.err.splitlines()) == 1

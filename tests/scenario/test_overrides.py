@@ -162,7 +162,11 @@ def test_a_path_of_the_command_line_starts_where_it_was_typed(read, tmp_path, mo
         ("robots.rovr.pose.x=1", "robots.rovr", "Did you mean 'rover'?"),
         ("robots.2.pose.x=1", "robots.2", "no robot '2'; known robots: rover, scout"),
         ("robots.0.name.first=x", "robots.0.name.first", "there is nothing under robots.0.name: it is 'rover'"),
-        ("robots.0.sensors.laser.noise.3.std=1", "robots.0.sensors.laser.noise.3", "no element '3'; known elements: gaussian, quantize"),
+        (
+            "robots.0.sensors.laser.noise.3.std=1",
+            "robots.0.sensors.laser.noise.3",
+            "no element '3'; known elements: gaussian, quantize",
+        ),
         ("robots.0.sensors.laser.rnage_max=1", "robots.0.sensors.laser.rnage_max", "Did you mean 'range_max'?"),
         (
             "robots.0.sensors.laserr.range_max=1",

@@ -127,7 +127,11 @@ CASES = [
     (f"{ROVER}knowledge.map = 'no.wld'", "robots.0.knowledge.map", "there is no such file"),
     (f"{ROVER}knowledge.resolution = 1", "robots.0.knowledge.map", "expected the path of a map file"),
     (f"{ROVER}knowledge.landmark = 'world'", "robots.0.knowledge.landmark", "Did you mean 'landmarks'?"),
-    (f"{ROVER}sensors.lazer = false", "robots.0.sensors.lazer", "the model has no sensor 'lazer'; known sensors: encoder, laser"),
+    (
+        f"{ROVER}sensors.lazer = false",
+        "robots.0.sensors.lazer",
+        "the model has no sensor 'lazer'; known sensors: encoder, laser",
+    ),
     (f"{ROVER}sensors.lazer = false", "robots.0.sensors.lazer", "Did you mean 'laser'?"),
     (
         f"{ROVER}estimators.ekf = false",
@@ -137,7 +141,11 @@ CASES = [
     ("[recording]\nx = 1", "recording.x", "unknown key; known keys: also, sensors, picture."),
     (f"{ROVER}errors = 3", "robots.0.errors", "expected a table of errors"),
     (f"{ROVER}errors.drive.trak = 1.0", "robots.0.errors.drive.trak", "Did you mean 'track'?"),
-    (f"{ROVER}errors.drve.track.scale = 1.0", "robots.0.errors.drve.track", "no entry 'drve'; known entries: drive, sensors, pose. Did you mean 'drive'?"),
+    (
+        f"{ROVER}errors.drve.track.scale = 1.0",
+        "robots.0.errors.drve.track",
+        "no entry 'drve'; known entries: drive, sensors, pose. Did you mean 'drive'?",
+    ),
     (f"{ROVER}errors.drive.track = 'x'", "robots.0.errors.drive.track", "expected a finite number"),
     (f"{ROVER}errors.drive.track.scal = 1", "robots.0.errors.drive.track.scal", "Did you mean 'scale'?"),
     (f"{ROVER}errors.drive.track.scale = nan", "robots.0.errors.drive.track.scale", "expected a finite number"),

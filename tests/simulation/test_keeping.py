@@ -125,7 +125,9 @@ def test_only_beliefs_that_are_kept_are_computed() -> None:
 
 def test_an_unknown_belief_is_told_with_those_that_there_are() -> None:
     given = building.scenario(building.robot(controller=building.Roam(), estimators={"it": Counting()}))
-    with pytest.raises(am.AmorsimError, match=r"no belief 'smal'; known beliefs: large, other, small\. Did you mean 'small'"):
+    with pytest.raises(
+        am.AmorsimError, match=r"no belief 'smal'; known beliefs: large, other, small\. Did you mean 'small'"
+    ):
         am.Simulation(given).run(1.0, keep=("beliefs.it.smal",))
 
 

@@ -134,7 +134,9 @@ def test_what_cannot_be_known_is_said() -> None:
     sim.step()
     with pytest.raises(am.AmorsimError, match="no element of its chain changes values"):
         kept.last_stage("rover", "sensor")
-    with pytest.raises(am.AmorsimError, match=r"no sensor 'senor'; known sensors: encoder, sensor. Did you mean 'sensor'"):
+    with pytest.raises(
+        am.AmorsimError, match=r"no sensor 'senor'; known sensors: encoder, sensor. Did you mean 'sensor'"
+    ):
         kept.stages("rover", "senor")
     with pytest.raises(am.AmorsimError, match="expected a whole number > 0"):
         am.keep_stages(sim, samples=0)
