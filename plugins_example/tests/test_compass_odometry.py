@@ -115,7 +115,10 @@ def test_a_wrong_wheelbase_turns_dead_reckoning_away_but_not_this() -> None:
 @pytest.mark.parametrize(
     ("fields", "message"),
     [
-        ({"compass": "compas"}, "no sensor 'compas'; it has: encoder, compass; name one of them in the field 'compass'"),
+        (
+            {"compass": "compas"},
+            "no sensor 'compas'; it has: encoder, compass; name one of them in the field 'compass'",
+        ),
         ({"encoder": "compass"}, "'compass' counts no joints"),
     ],
 )

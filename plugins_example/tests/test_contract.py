@@ -20,8 +20,15 @@ MAZE = Path(example.__file__).parent / "scenarios" / "two_rooms.maze"
         example.Drift(std=0.1),
         example.Tally(),
         example.Detour(),
+        example.Bounce(),
+        example.Flood(),
+        example.Shuttle(speed=0.5),
+        example.Posts(posts=50),
     ],
-    ids=["tricycle", "tricycle, narrow", "beacon", "drift", "tally", "detour"],
+    ids=[
+        *("tricycle", "tricycle, narrow", "beacon", "drift", "tally", "detour"),
+        *("bounce", "flood", "shuttle", "posts"),
+    ],
 )
 def test_component(component: object) -> None:
     check_component(component)
@@ -29,6 +36,12 @@ def test_component(component: object) -> None:
 
 def test_map_loader() -> None:
     check_component(example.Maze(), path=MAZE)
+
+
+def test_scenario_loader(tmp_path: Path) -> None:
+    path = tmp_path / "two.course"
+    path.write_text("course two_rooms.maze\npioneer2dx 1.0 1.0 90\n")
+    check_component(example.Course(), path=path)
 
 
 @pytest.mark.parametrize("drive", [None, tricycle()], ids=["differential", "tricycle"])

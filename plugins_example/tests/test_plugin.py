@@ -15,6 +15,11 @@ NAMES = {
     "map_loader": ("maze", example.Maze),
     "recorder": ("tally", example.Tally),
     "metric": ("detour", example.Detour),
+    "scenario_loader": ("course", example.Course),
+    "world_generator": ("posts", example.Posts),
+    "controller": ("bounce", example.Bounce),
+    "planner": ("flood", example.Flood),
+    "motion": ("shuttle", example.Shuttle),
     "estimator": ("compass_odometry", example.CompassOdometry),
 }
 

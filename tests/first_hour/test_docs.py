@@ -194,6 +194,7 @@ def test_every_option_of_a_command_is_described() -> None:
         ("write-an-estimator", (am.Estimator, am.Context, am.Measurement, am.RobotModel, am.Estimate)),
         ("write-a-sensor", (am.Sensor, am.View, am.Aim, am.Emission)),
         ("write-a-drive", (am.Drive,)),
+        ("write-a-planner", (am.Planner, am.Plan)),
     ],
 )
 def test_every_method_and_field_of_a_contract_is_described(page: str, kinds: tuple[type, ...]) -> None:
