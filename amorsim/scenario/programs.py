@@ -142,7 +142,8 @@ def _with_robot(robot: Robot, replacing: _Replacing) -> Robot:
     estimators = {name: replacing.of(estimator) for name, estimator in robot.estimators.items()}
     if all(estimators[name] is own for name, own in robot.estimators.items()):
         estimators = robot.estimators
-    return _evolved(robot, controller=replacing.of(robot.controller), estimators=estimators)
+    found: Robot = _evolved(robot, controller=replacing.of(robot.controller), estimators=estimators)
+    return found
 
 
 def _evolved(body: Any, **fields: Any) -> Any:

@@ -182,7 +182,7 @@ def _controller(given: Controller | Callable[..., Any] | None) -> Controller | N
     return UserController(source="", function=given)
 
 
-def _estimators(given: Mapping[str, Any]) -> Any:
+def _estimators(given: Any) -> Any:
     if not isinstance(given, Mapping):
         return given  # refused by name afterwards
     return {name: _estimator(estimator) for name, estimator in given.items()}
