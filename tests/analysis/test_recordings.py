@@ -118,6 +118,17 @@ def test_trajectories_are_read(kind: str, topic: str, run: Path, request: pytest
         assert ape(true, read_mcap(path, "/tf/rover", frame="rover")).statistics.max < 1e-12
 
 
+def test_a_bag_is_compressed_within_its_file(bag: Path) -> None:
+    """By chunks of the MCAP file, which readers of MCAP open; ROS is told of no compression of its own kind."""
+    make_reader = pytest.importorskip("mcap.reader").make_reader
+    (path,) = bag.glob("*.mcap")
+    with path.open("rb") as file:
+        chunks = make_reader(file).get_summary().chunk_indexes
+    assert {chunk.compression for chunk in chunks} == {"zstd"}
+    assert sum(chunk.compressed_size for chunk in chunks) < 0.3 * sum(chunk.uncompressed_size for chunk in chunks)
+    assert 'compression_mode: ""' in (bag / "metadata.yaml").read_text().replace("''", '""')
+
+
 def test_a_bag_replaces_a_bag_and_nothing_else(run: Path, bag: Path, tmp_path: Path) -> None:
     export_run(run, "rosbag", bag.parent)
     assert len(read_bag(bag, "/rover/odom")) == 11

@@ -238,8 +238,8 @@ def test_names_that_are_too_long_for_a_file(
         ("a: 1\nb: 2\nc:\n  d: 3\n", "x.toml:1: not a file of TOML"),
         (
             "format = 1\nscenario = 'a.toml'\nreplicas = 3\n[metrics]\n",
-            "x.toml: not a scenario: expected [world] and [[robots]], got the keys format, scenario, replicas, metrics; "
-            "a study runs with `amorsim sweep`",
+            "x.toml: not a scenario: expected [world] and [[robots]], got the keys format, scenario, replicas, metrics"
+            "; a study runs with `amorsim sweep`",
         ),
         ("[project]\nname = 'x'\n[tool.ruff]\nline-length = 3\n", "got the keys project, tool"),
     ],

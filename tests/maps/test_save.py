@@ -116,7 +116,7 @@ def test_lines_can_be_written_as_pixels_too(tmp_path: Path) -> None:
     [
         ("plan.jpg", "a JPEG blurs the cells"),
         ("plan.xyz", r"no map of a known format; known extensions: \.bmp, .*\.png, .*\.wld"),
-        ("plan", "no format of maps"),
+        ("plan", "no map of a known format"),
         ("none/plan.png", "No such file"),
     ],
 )
