@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import attrs
 
@@ -51,7 +51,9 @@ class Course(am.ScenarioLoader):
             raise am.ScenarioError([_fault(path, None, f"cannot be read as text: {error}")]) from error
         if not first.startswith(_MARK):
             raise am.ScenarioError([_fault(path, 1, f"expected {_MARK!r} and the name of a map, got {first[:40]!r}")])
-        robots, lines, faults = [], {}, []
+        robots: list[dict[str, Any]] = []
+        lines: dict[str, int] = {}
+        faults = []
         for number, line in enumerate(rest, start=2):
             if not line.strip():
                 continue

@@ -69,7 +69,8 @@ class Flood(am.Planner):
     def _search(self, free: Bools, start: Cell, goal: Cell) -> tuple[str, list[Cell], list[Cell]]:
         """The status, the cells of the path, and those that were expanded, in order."""
         came_from: dict[Cell, Cell] = {start: start}
-        waiting, expanded = deque([start]), []
+        waiting = deque([start])
+        expanded: list[Cell] = []
         while waiting:
             cell = waiting.popleft()
             if cell == goal:
