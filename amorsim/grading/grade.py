@@ -17,6 +17,7 @@ from amorsim.controllers.user import UserController
 from amorsim.core.errors import AmorsimError, RunError, StudyError
 from amorsim.core.reading import is_file
 from amorsim.core.trouble import RAISED, error_in_words
+from amorsim.core.unknown_names import no_such
 from amorsim.core.whole_files import write_text
 from amorsim.grading.fence import Fence, find_fence
 from amorsim.grading.handed_in import HandedIn, hand_in, leads_through_link
@@ -214,7 +215,7 @@ def _scenario(rubric: Rubric, case: Case) -> Scenario:
     except AmorsimError as error:
         raise StudyError(f"{where}: {error}") from None
     if robot not in simulation.names:
-        raise StudyError(f"rubric: robot: there is no robot {robot!r}, but: {', '.join(simulation.names)}")
+        raise StudyError(f"rubric: robot: {no_such('robot', robot, simulation.names)}")
     return scenario
 
 
