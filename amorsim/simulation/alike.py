@@ -42,9 +42,9 @@ def group_key(robot: Robot) -> Hashable:
 
 
 def _key_of(known: Map | None) -> Hashable:
-    """What distinguishes the known maps of groups; maps of one origin in several replicas count as the same."""
+    """What distinguishes the known maps of groups: their content, or the one origin of maps that replicas draw."""
     origin = None if known is None else origin_of(known)
-    return origin if origin is not None or known is None else id(known)
+    return known if origin is None else origin
 
 
 def robot_model(robots: Sequence[Robot], sizes: Mapping[str, int], channels: tuple[str, ...], dt: float) -> RobotModel:
@@ -61,7 +61,7 @@ def robot_model(robots: Sequence[Robot], sizes: Mapping[str, int], channels: tup
     knowledge = first.knowledge
     count = len(knowledge.landmarks)
     maps = tuple(robot.knowledge.map for robot in robots)
-    is_one = all(known is maps[0] for known in maps)
+    is_one = all(known == maps[0] for known in maps)
     return RobotModel(
         rows=len(robots),
         dt=dt,

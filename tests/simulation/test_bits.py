@@ -196,13 +196,36 @@ def test_a_number_of_threads_is_checked() -> None:
         am.Simulation(crowd(), threads=0)
 
 
-@pytest.mark.parametrize("other", ["name", "sensor", "replicas"])
+@pytest.mark.parametrize("name", ["find-yourself", "find-the-way"])
+def test_a_snapshot_is_of_every_simulation_of_its_scenario(name: str) -> None:
+    """Where the robot knows a map, too, which each time is another object with the same content."""
+    one, other = am.Simulation(am.load(name)), am.Simulation(am.load(name))
+    one.run(0.3)
+    other.restore(one.snapshot())
+    assert run(other, 2).digest() == run(one, 2).digest()
+
+
+def test_robots_that_know_equal_maps_share_a_group() -> None:
+    maps = (building.room(), building.room.__wrapped__())
+    assert maps[0] is not maps[1]
+    robots = [attrs.evolve(knowing(one), name=f"r{i}", pose=am.Pose(x=2.0 + i, y=2.0)) for i, one in enumerate(maps)]
+    (group,) = am.Simulation(building.scenario(*robots))._fleet.groups
+    assert group.robot.map == maps[0]
+    assert not group.robot.maps
+
+
+def knowing(map_: am.Map) -> am.Robot:
+    return building.robot(name="rover", knowledge=am.Knowledge(map=map_))
+
+
+@pytest.mark.parametrize("other", ["name", "sensor", "map", "replicas"])
 def test_a_snapshot_of_something_else_is_refused_and_nothing_changes(other: str) -> None:
-    simulation = am.Simulation(building.scenario(building.robot(name="rover")), replicas=2)
+    simulation = am.Simulation(building.scenario(knowing(building.room())), replicas=2)
     changed = {
         "name": building.robot(name="scout"),
         "sensor": building.robot(name="rover", sensors={}, estimators={}),
-        "replicas": building.robot(name="rover"),
+        "map": knowing(building.room(6.0, 4.9)),
+        "replicas": knowing(building.room()),
     }[other]
     stranger = am.Simulation(building.scenario(changed), replicas=3 if other == "replicas" else 2)
     simulation.run(0.5)
