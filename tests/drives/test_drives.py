@@ -134,6 +134,45 @@ def test_parts_of_a_step_add_up_to_it(name):
         joints = after
 
 
+@pytest.mark.parametrize("acceleration", [None, 7.0])
+@pytest.mark.parametrize(
+    ("name", "command", "most"),  # most: of the error over the square of the step [m/s^2]
+    [
+        ("differential", [7.0, 9.0], 0.05),
+        ("ackermann rear", [0.5, 9.0], 0.8),
+        ("synchro fixed", [0.5, 9.0], 0.05),
+        ("tricycle", [0.5, 9.0], 1.3),
+        ("mecanum", [7.0, 9.0, 6.0, 8.0], 0.05),
+        ("tractor", [7.0, 9.0], 0.05),
+    ],
+)
+def test_from_rest_the_path_depends_on_the_step_by_its_square(name, command, most, acceleration):
+    """Ramps of motors end, steering arrives and a tricycle's wheel sets off within steps."""
+    drive = stack([make(name, acceleration_max=acceleration)])
+    still = np.zeros((1, len(drive.joints)))
+    true, _ = go(drive, still, still, command, 3.0, 3000)
+    for steps in (150, 60, 30, 15):
+        found, _ = go(drive, still, still, command, 3.0, steps)
+        assert np.hypot(*(found - true)[:2]) < most * (3.0 / steps) ** 2 + 1e-9
+
+
+def test_a_cars_heading_is_off_by_no_more_than_the_page_says():
+    """A steering that arrives within a step moves evenly to the end of it: v w dt^2 / (8 L cos^2 s) at the most."""
+    drive = stack([make("ackermann rear")])
+    speed, rate, wheelbase, dt = 0.9, 1.5, 0.5, 0.1
+    largest = 0.0
+    for angle in np.linspace(0.4, 0.55, 16):  # arrives everywhere within a step
+        turned, after = 0.0, np.zeros((1, 3))
+        for _ in range(10):
+            before, (after, _) = after, advance(drive, after, np.zeros((1, 3)), [angle, speed / 0.1], dt)
+            turned += drive.displacement(before, after, ONE)[0, 2]
+        true = speed / wheelbase * (-np.log(np.cos(angle)) / rate + np.tan(angle) * (1.0 - angle / rate))
+        bound = speed * rate * dt**2 / (8.0 * wheelbase * np.cos(angle) ** 2)
+        assert -1e-12 < true - turned < bound
+        largest = max(largest, (true - turned) / bound)
+    assert largest > 0.9
+
+
 @pytest.mark.parametrize("name", EVERY)
 @pytest.mark.parametrize(("lag", "acceleration"), [(0.3, None), (0.0, 6.0), (0.2, 6.0)])
 def test_motors_with_lag_and_limits_do_not_depend_on_the_step(name, lag, acceleration):

@@ -61,7 +61,7 @@ _WEIGHTS = (
 _PART = 0.5  # [rad] of heading in a part of a path
 _STEERED = 0.1  # [rad] of steering in one
 _PARTS_MAX = 4096
-_WAITS = math.radians(20.0)  # a tricycle's steering so far off lets the wheel wait
+_WAITS = math.radians(20.0)  # a tricycle's wheel waits while its steering is so far off
 
 
 @kernel
@@ -169,15 +169,23 @@ def _way(before: Floats, after: Floats, skew: float, place: int) -> float:
 
 
 @part
+def _waits(before: float, after: float) -> float:
+    """The share of a step until a steering's error [rad] is below `_WAITS`; it goes evenly from one to the other."""
+    if abs(before) <= _WAITS:
+        return 0.0
+    return (abs(before) - _WAITS) / (abs(before) - abs(after)) if abs(after) < _WAITS else 1.0
+
+
+@part
 def _steer(
     start: float, wanted: float, most: float, rate: float, lag: float, dt: float, out: Floats
-) -> tuple[float, float]:
-    """A steering's target and its angle after a step; that angle and the mean rate go into `out` (2,)."""
+) -> tuple[float, float, float]:
+    """A steering's target, its mean angle in a step and that after it; `out` gets the last and the mean rate."""
     target = min(max(wanted, -most), most)
-    end, _ = respond(start, target, rate, lag, dt)
+    end, summed = respond(start, target, rate, lag, dt)
     out[0] = end
     out[1] = (end - start) / dt
-    return target, end
+    return target, summed / dt, end
 
 
 @kernel
@@ -201,7 +209,7 @@ def ackermann_advance(
     for i in range(joints.shape[0]):
         skew = 0.5 * track[i, 0] / wheelbase[i, 0]
         start = joints[i, 0]
-        _, end = _steer(
+        _, _, end = _steer(
             start, command[i, 0], steering_max[i, 0], steering_rate[i, 0], steering_lag[i, 0], dt, out[:, i, 0]
         )
         # What the shaft does now, by the wheels that are counted.
@@ -334,13 +342,19 @@ def tricycle_advance(
 ) -> None:
     """Joints and rates of tricycles a step later, into `out` (2, N, 2); the command is (steering, front wheel)."""
     for i in range(joints.shape[0]):
-        target, end = _steer(
+        target, mean, end = _steer(
             joints[i, 0], command[i, 0], steering_max[i, 0], steering_rate[i, 0], steering_lag[i, 0], dt, out[:, i, 0]
         )
         # The slower the farther the steering is off: else it sets off in the direction of a moment ago.
-        along = max(1.0 - abs(target - end) / _WAITS, 0.0)
-        target = min(max(command[i, 1], -rate_max[i, 0]), rate_max[i, 0]) * along
-        rate, turned = respond(rates[i, 1], target, acceleration_max[i, 0], lag[i, 0], dt)
+        rate, turned = rates[i, 1], 0.0
+        waits = dt * _waits(target - joints[i, 0], target - end)
+        if waits > 0.0:
+            rate, turned = respond(rate, 0.0, acceleration_max[i, 0], lag[i, 0], waits)
+        if waits < dt:
+            error = target - mean if waits == 0.0 else 0.5 * (_WAITS + abs(target - end))
+            wheel = min(max(command[i, 1], -rate_max[i, 0]), rate_max[i, 0]) * (1.0 - abs(error) / _WAITS)
+            rate, more = respond(rate, wheel, acceleration_max[i, 0], lag[i, 0], dt - waits)
+            turned += more
         out[0, i, 1] = joints[i, 1] + turned
         out[1, i, 1] = rate
 
