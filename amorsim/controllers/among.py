@@ -322,7 +322,7 @@ class SocialForce(Among):
             first,
             body,
             own,
-            np.ascontiguousarray(towards),
+            np.concatenate((towards, towards), axis=1),
             Walls(np.full((rows, 1), np.inf), np.array([[1.0, 0.0]])),
             numbers,
             0,

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Context, Draws, Motion, State, View, parameter
 from amorsim.kernels.behaviours.social_force import NEGLIGIBLE, Passers, Walls, range_of, social_forces
-from amorsim.motions.ways import blocked_for, displacement, facing
+from amorsim.motions.ways import STANDS, blocked_for, displacement, facing
 
 __all__ = ["Pedestrian"]
 
@@ -92,15 +92,19 @@ class Pedestrian(Motion):
         is_first = view.tick == 0
         speed = np.maximum(self.speed + self.speed_std * normal[:, :1], 0.0)
         state["speed"] = np.where(is_first, speed, state["speed"])
-        wanted = self._way(view, dt, state, uniform, is_first)
+        if self.order == "random" and self._count:
+            drawn = np.minimum((uniform * self._count).astype(np.int64), self._count - 1)
+            state["goal"] = np.where(is_first, drawn, state["goal"])
         # A blocked step has taken that part of the speed.
         velocity = state["velocity"] * view.free
-        free = state["speed"] * wanted
-        # The velocity in the middle of the step, from the force of the previous step.
-        target = free + self.relaxation * state["force"]
+        # The velocity in the middle of the step, from the force of the previous step; then the force there.
+        wanted = self._towards(view.body_pose[:, :2], state)
+        target = state["speed"] * wanted + self.relaxation * state["force"]
         middle = target + (velocity - target) * np.exp(-0.5 * dt / self.relaxation)
-        force = state["force"] = self._forces(view, middle, wanted, 0.5 * dt, draws)
-        target = free + self.relaxation * force
+        mean, last = self._wanted(view, middle * dt, dt, state, uniform)
+        ends = np.concatenate((wanted, last), axis=1)
+        force = state["force"] = self._forces(view, middle, ends, 0.5 * dt, draws)
+        target = state["speed"] * mean + self.relaxation * force
         after, way = self._relaxed(velocity, target, dt, normal[:, 1:])
         most = 1.3 * state["speed"]
         state["velocity"] = _no_faster(after, most)
@@ -126,41 +130,65 @@ class Pedestrian(Motion):
         way = target * dt + (velocity - target) * (tau * gone)
         return after, way + self.waver * (along * normal[:, :2] + aside * normal[:, 2:])
 
-    def _way(self, view: View, dt: float, state: State, uniform: Array, is_first: npt.NDArray[np.bool_]) -> Array:
-        """The wanted direction `(N, 2)` of each; zero for those that have arrived."""
-        count = len(np.shape(self.goals)) > 1 and np.shape(self.goals)[1]
-        if not count:
-            return state["ahead"]
-        goals = np.asarray(self.goals)
-        goal = state["goal"]
-        if self.order == "random":
-            drawn = np.minimum((uniform * count).astype(np.int64), count - 1)
-            goal = np.where(is_first, drawn, goal)
-        dx, dy = self._to(goals, goal, view)
-        reached = dx * dx + dy * dy < self.near * self.near
+    @property
+    def _count(self) -> int:
+        """The number of goals."""
+        shape = np.shape(self.goals)
+        return shape[1] if len(shape) > 1 else 0
+
+    def _wanted(self, view: View, way: Array, dt: float, state: State, uniform: Array) -> tuple[Array, Array]:
+        """The mean of the wanted direction `(N, 2)` in a step that goes `way` `(N, 2)`, and the direction at its end.
+
+        From the instant at which he reaches a goal, or gives it up, he wants to go to the next one.
+        """
+        place = view.body_pose[:, :2]
+        part = self._part_to_goal(view, way, dt, state)
+        to_goal = self._towards(place + 0.5 * part * way, state)
+        state["goal"] = np.where(part < 1.0, self._next_goal(state["goal"], uniform), state["goal"])
+        to_next = self._towards(place + 0.5 * (1.0 + part) * way, state)
+        return part * to_goal + (1.0 - part) * to_next, self._towards(place + way, state)
+
+    def _part_to_goal(self, view: View, way: Array, dt: float, state: State) -> Array:
+        """The part `(N, 1)` of a step after which he has reached his goal or gives it up; 1 if he does neither."""
+        if not self._count:
+            return np.ones((view.rows, 1))
+        place = view.body_pose[:, :2]
+        before, after = self._way_to_goal(place, state)[2], self._way_to_goal(place + way, state)[2]
+        entered = (before - self.near) / np.maximum(before - after, STANDS)
+        part = np.where(before < self.near, 0.0, np.where(after < self.near, entered, 1.0))
         if self.blocked == "skip":
             waited = blocked_for(view, dt, state)
             gives_up = waited >= self.patience - 1e-9
             state["blocked"] = np.where(gives_up, 0.0, waited)
-            reached = reached | (gives_up & (view.free < 1.0))
-        others = max(count - 1, 1)
-        following = (goal + 1) % count
+            part = np.where(gives_up & (view.free < 1.0), 0.0, part)
+        return np.where(view.tick == 0, 1.0, part)
+
+    def _next_goal(self, goal: npt.NDArray[np.int64], uniform: Array) -> npt.NDArray[np.int64]:
+        """The goals `(N, 1)` after these."""
+        count = max(self._count, 1)
         if self.order == "once":
-            following = np.minimum(goal + 1, count - 1)
-        elif self.order == "random":  # any but this one
-            following = (goal + 1 + np.minimum((uniform * others).astype(np.int64), others - 1)) % count
-        goal = np.where(reached & ~is_first, following, goal)
-        state["goal"] = goal
-        dx, dy = self._to(goals, goal, view)
-        distance = np.sqrt(dx * dx + dy * dy)
-        # At the last goal the pedestrian stands.
-        stays = (distance < self.near) & np.asarray(self.order == "once" or count == 1)
-        scale = np.where(stays, 0.0, 1.0 / np.where(distance > 1e-12, distance, 1.0))
+            return np.minimum(goal + 1, count - 1)
+        if self.order == "random":  # any but this one
+            others = max(count - 1, 1)
+            return np.asarray((goal + 1 + np.minimum((uniform * others).astype(np.int64), others - 1)) % count)
+        return np.asarray((goal + 1) % count)
+
+    def _towards(self, place: Array, state: State) -> Array:
+        """The wanted direction `(N, 2)` at a place `(N, 2)`; zero for those that have arrived at their last goal."""
+        if not self._count:
+            return np.asarray(state["ahead"])
+        dx, dy, distance = self._way_to_goal(place, state)
+        is_last = np.asarray(self._count == 1 or self.order == "once") & (state["goal"] == self._count - 1)
+        stays = (distance < self.near) & is_last
+        scale = np.where(stays, 0.0, 1.0 / np.where(distance > STANDS, distance, 1.0))
         return np.concatenate((dx * scale, dy * scale), axis=1)
 
-    def _to(self, goals: Array, goal: npt.NDArray[np.int64], view: View) -> tuple[Array, Array]:
-        rows = np.arange(len(goals))[:, None]
-        return goals[rows, goal, 0] - view.body_pose[:, :1], goals[rows, goal, 1] - view.body_pose[:, 1:2]
+    def _way_to_goal(self, place: Array, state: State) -> tuple[Array, Array, Array]:
+        """The way [m] from a place `(N, 2)` to the goal: along x, along y, and its length, `(N, 1)` each."""
+        goals = np.asarray(self.goals)
+        goal = goals[np.arange(len(goals)), state["goal"][:, 0]]
+        dx, dy = goal[:, :1] - place[:, :1], goal[:, 1:] - place[:, 1:]
+        return dx, dy, np.sqrt(dx * dx + dy * dy)
 
     def _forces(self, view: View, velocity: Array, wanted: Array, ahead: float, draws: Draws) -> Array:
         """Accelerations by others and walls [m/s^2] `(N, 2)`, `ahead` [s] from now."""

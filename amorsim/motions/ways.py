@@ -8,7 +8,7 @@ import numpy.typing as npt
 from amorsim.contracts import State, View
 from amorsim.core.poses import wrap_angle
 
-__all__ = ["blocked_for", "displacement", "facing"]
+__all__ = ["STANDS", "blocked_for", "displacement", "facing"]
 
 Array = npt.NDArray[np.float64]
 

@@ -36,7 +36,7 @@ def twin(poses, twists, reach, heeded, own, wanted, walls, bearings, relative):
                 step = step - over_ground(poses[n, own[n]], twists[n, own[n]]) * NUMBERS[2]
             e = 1e-6
             force = np.array([-(potential(r + d, step) - potential(r - d, step)) / (2 * e) for d in np.eye(2) * e])
-            seen = wanted[n] @ -force >= np.linalg.norm(force) * NUMBERS[5]
+            seen = wanted[n, :2] @ -force >= np.linalg.norm(force) * NUMBERS[5]
             out[n] += force * (1.0 if seen else NUMBERS[6])
         count = walls.shape[1]
         for k in range(count):
@@ -46,10 +46,10 @@ def twin(poses, twists, reach, heeded, own, wanted, walls, bearings, relative):
     return out
 
 
-def call(poses, twists, reach, heeded, own, wanted, walls, bearings, relative=False, ahead=0.0):
+def call(poses, twists, reach, heeded, own, wanted, walls, bearings, relative=False, ahead=0.0, behind=NUMBERS[6]):
     out = np.empty((len(poses), 2))
     rows, bodies = poses.shape[:2]
-    numbers = np.tile((*NUMBERS, float(relative), ahead, 1.0), (rows, 1))
+    numbers = np.tile((*NUMBERS[:6], behind, float(relative), ahead, 1.0), (rows, 1))
     velocity = np.array([over_ground(poses[n, own[n]], twists[n, own[n]]) for n in range(rows)])
     # Each row's bodies are those of a world of its own.
     passers = Passers(
@@ -73,7 +73,7 @@ def test_forces_are_the_gradients_of_their_potentials(relative: bool) -> None:
     heeded = random.uniform(size=(rows, bodies)) < 0.8
     own = random.integers(0, bodies, rows)
     angle = random.uniform(-np.pi, np.pi, rows)
-    wanted = np.column_stack((np.cos(angle), np.sin(angle)))
+    wanted = np.column_stack((np.cos(angle), np.sin(angle)) * 2)
     walls = np.where(random.uniform(size=(rows, rays)) < 0.6, random.uniform(0.1, 2.0, (rows, rays)), np.inf)
     around = np.arange(rays) * 2.0 * np.pi / rays
     bearings = np.column_stack((np.cos(around), np.sin(around)))
@@ -109,10 +109,44 @@ def test_forces_ahead_are_those_of_where_all_are_then() -> None:
     walls[:, 0] = 2.0
     then = walls.copy()
     then[:, 0] -= later[:, 0, 0] - poses[:, 0, 0]
-    rest = np.array([0.2, 0.2, 0.3]), np.ones((rows, 3), dtype=bool), own, np.array([[1.0, 0.0]] * rows)
+    rest = np.array([0.2, 0.2, 0.3]), np.ones((rows, 3), dtype=bool), own, np.array([[1.0, 0.0] * 2] * rows)
     np.testing.assert_allclose(
-        call(poses, twists, *rest, walls, bearings, True, ahead), call(later, twists, *rest, then, bearings, True)
+        call(poses, twists, *rest, walls, bearings, True, ahead, behind=1.0),
+        call(later, twists, *rest, then, bearings, True, behind=1.0),
     )
+
+
+@pytest.mark.parametrize("relative", [False, True])
+def test_who_leaves_the_sight_within_a_step_counts_by_the_time_in_sight(relative: bool) -> None:
+    """The pedestrian passes others while the wanted direction turns; the slow twin looks at 200 instants."""
+    random = np.random.default_rng(5)
+    rows, dt = 1500, 0.02
+    poses, twists = np.zeros((rows, 2, 3)), np.zeros((rows, 2, 3))
+    poses[:, 1, :2] = np.column_stack((random.uniform(-0.6, 3.0, rows), random.uniform(0.6, 1.0, rows)))
+    twists[:, 0, 0] = 1.5
+    twists[:, 1] = random.uniform(-0.3, 0.3, (rows, 3))
+    turn = random.uniform(-0.02, 0.02, rows)
+    zero, one = np.zeros(rows), np.ones(rows)
+    wanted = np.column_stack((one, zero, np.cos(turn), np.sin(turn)))
+    walls, bearings = np.full((rows, 4), np.inf), np.array([[1.0, 0], [0, 1], [-1, 0], [0, -1]])
+    rest = np.array([0.2, 0.2]), np.ones((rows, 2), dtype=bool), np.zeros(rows, dtype=np.int64)
+    found = call(poses, twists, *rest, wanted, walls, bearings, relative, 0.5 * dt)
+    whole, half = (
+        call(poses, twists, *rest, wanted, walls, bearings, relative, 0.5 * dt, behind=behind) for behind in (1.0, 0.0)
+    )
+    seen = half[:, 1] / whole[:, 1]
+    np.testing.assert_allclose(found, (seen + (1.0 - seen) * NUMBERS[6])[:, None] * whole, rtol=1e-12)
+    for n in np.flatnonzero((seen > 0.0) & (seen < 1.0)):
+        in_sight = []
+        for time in (np.arange(200) + 0.5) / 200.0 * dt:
+            r = -poses[n, 1, :2] + time * (twists[n, 0, :2] - over_ground(poses[n, 1], twists[n, 1]))
+            r = r * (1.0 - 0.2 / np.linalg.norm(r))
+            step = (over_ground(poses[n, 1], twists[n, 1]) - relative * twists[n, 0, :2]) * NUMBERS[2]
+            push = r / np.linalg.norm(r) + (r - step) / np.linalg.norm(r - step)
+            towards = wanted[n, :2] + time / dt * (wanted[n, 2:] - wanted[n, :2])
+            in_sight.append(-push @ towards >= np.linalg.norm(push) * NUMBERS[5])
+        assert seen[n] == pytest.approx(np.mean(in_sight), abs=0.02)
+    assert np.count_nonzero((seen > 0.0) & (seen < 1.0)) > 5
 
 
 @pytest.mark.parametrize("relative", [False, True])
@@ -124,7 +158,12 @@ def test_no_force_is_left_out_that_is_not_negligible(relative: bool) -> None:
         angle = random.uniform(-np.pi, np.pi)
         poses = np.array([[[0.0, 0.0, 0.0], [distance * math.cos(angle), distance * math.sin(angle), angle + np.pi]]])
         twists = np.array([[[1.5 * math.cos(angle), 1.5 * math.sin(angle), 0.0], [1.8, 0.02, 0.0]]])
-        rest = np.array([0.2, 0.2]), np.ones((1, 2), dtype=bool), np.zeros(1, dtype=np.int64), np.array([[1.0, 0.0]])
+        rest = (
+            np.array([0.2, 0.2]),
+            np.ones((1, 2), dtype=bool),
+            np.zeros(1, dtype=np.int64),
+            np.array([[1.0, 0.0] * 2]),
+        )
         walls, bearings = np.full((1, 4), np.inf), np.array([[1.0, 0], [0, 1], [-1, 0], [0, -1]])
         found = call(poses, twists, *rest, walls, bearings, relative)
         if not found.any():
@@ -142,7 +181,7 @@ def test_a_lone_one_feels_nothing_and_numbers_stay_finite_where_it_is_singular()
     twists[:, :, 0] = 1.0
     case = (poses, twists, np.array([0.2, 0.2]), np.array([[True, False], [True, True]]), np.zeros(2, dtype=np.int64))
     walls, bearings = np.full((2, 4), np.inf), np.array([[1.0, 0], [0, 1], [-1, 0], [0, -1]])
-    out = call(*case, np.array([[1.0, 0.0]] * 2), walls, bearings)
+    out = call(*case, np.array([[1.0, 0.0] * 2] * 2), walls, bearings)
     assert out[0] == pytest.approx([0.0, 0.0])
     assert np.isfinite(out).all()
 
@@ -161,7 +200,12 @@ def test_who_is_out_of_range_is_left_out_anyway(relative: bool, ahead: float) ->
             there = share * limit * np.array([math.cos(angle), math.sin(angle)])
             poses = np.array([[[0.0, 0.0, angle], [*there, angle + np.pi]]])
             twists = np.array([[[speed, 0.0, 0.0], [its_speed, 0.0, 0.0]]])
-            rest = np.array([0.2, 0.2]), np.ones((1, 2), dtype=bool), np.zeros(1, dtype=np.int64), np.eye(2)[:1]
+            rest = (
+                np.array([0.2, 0.2]),
+                np.ones((1, 2), dtype=bool),
+                np.zeros(1, dtype=np.int64),
+                np.array([[1.0, 0.0] * 2]),
+            )
             walls, bearings = np.full((1, 4), np.inf), np.array([[1.0, 0], [0, 1], [-1, 0], [0, -1]])
             found = call(poses, twists, *rest, walls, bearings, relative, ahead)
             if share == 0.5:
@@ -182,7 +226,7 @@ def test_robots_count_if_they_are_heeded() -> None:
             out = np.empty((1, 2))
             numbers = np.array([[*NUMBERS, 0.0, 0.0, heeded]])
             social_forces(
-                passers, own, first, body, np.zeros((1, 2)), np.eye(2)[:1], Walls(walls, bearings), numbers, 0, 1, out
+                passers, own, first, body, np.zeros((1, 2)), np.eye(4)[:1], Walls(walls, bearings), numbers, 0, 1, out
             )
             forces[heeded, robot] = out
     assert not forces[0.0, True].any()

@@ -31,12 +31,22 @@ def test_he_takes_up_his_speed_exponentially_and_comes_to_his_goal() -> None:
     assert speeds[-1] < 0.01
 
 
-def gone(dt: float, *, duration: float = 3.0, start: float = 4.0, robot: am.Robot | None = None, **changes: object):
-    """Where he is after some time, in steps of `dt`."""
+def gone(
+    dt: float,
+    *,
+    duration: float = 3.0,
+    start: float = 4.0,
+    robot: am.Robot | None = None,
+    post: float | None = None,
+    **changes: object,
+):
+    """Where he is after some time, in steps of `dt`; 2 m on, a post may stand as far [m] to his left."""
     walk = walker("thing", start, 10.0, **changes)
+    posts = [] if post is None else [am.Obstacle(name="post", shape=BODY, pose=am.Pose(x=start + 2.0, y=10.0 + post))]
     robot = robot or building.robot(pose=am.Pose(x=1.0, y=1.0), on_collision="continue")
-    sim = am.Simulation(building.scenario(robot, map=building.room(20.0, 20.0, 0.01), obstacles=[walk], dt=dt))
+    sim = am.Simulation(building.scenario(robot, map=building.room(20.0, 20.0, 0.01), obstacles=[walk, *posts], dt=dt))
     sim.run(duration)
+    assert not sim.events
     return sim.obstacle("thing").true_pose[:2].copy()
 
 
@@ -52,6 +62,26 @@ def test_before_a_wall_his_way_depends_on_the_step_by_its_square() -> None:
     coarse, fine = (gone(dt, start=16.7, duration=2.2)[0] - true for dt in (0.1, 0.05))
     assert abs(coarse) < 0.01
     assert abs(fine) < 0.4 * abs(coarse)
+
+
+@pytest.mark.parametrize(
+    ("case", "largest"),
+    [
+        ({"post": 0.5}, 0.002),
+        ({"post": 1.0}, 0.0002),
+        ({"post": 0.5, "relative": True}, 0.004),
+        ({"goals": ((6.0, 10.0), (6.0, 14.0))}, 0.0004),
+    ],
+)
+def test_past_what_stands_and_round_a_goal_his_way_depends_on_the_step_by_its_square(
+    case: dict[str, object], largest: float
+) -> None:
+    """The post goes out of his sight within a step, and within a step he reaches the goal at which he turns."""
+    case = {"goals": ((14.0, 10.0),)} | case
+    true = gone(0.01, **case)
+    coarse, fine = (np.hypot(*(gone(dt, **case) - true)) for dt in (0.1, 0.05))
+    assert coarse < largest
+    assert fine < 0.4 * coarse
 
 
 def test_wavering_spreads_him_alike_at_any_step() -> None:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from amorsim.kernels.compile import kernel
+from amorsim.kernels.compile import kernel, part
 
 __all__ = ["NEGLIGIBLE", "Passers", "Walls", "range_of", "social_forces"]
 
@@ -53,6 +53,36 @@ class Walls(NamedTuple):
     """(k, 2) cosine and sine of the direction of each, evenly around."""
 
 
+@part
+def _pull(rx: float, ry: float, reach: float, step_x: float, step_y: float) -> tuple[float, float, float, float]:
+    """Twice the mean direction to the foci of the ellipse around another's step, and the distances [m] to them.
+
+    `rx`, `ry` [m] is the way from the other's middle, `reach` [m] the radius of its circle.
+    """
+    distance = math.sqrt(rx * rx + ry * ry)
+    # From the pedestrian's centre to the other's outline.
+    share = max(distance - reach, LEAST) / max(distance, LEAST)
+    rx, ry = rx * share, ry * share
+    qx, qy = rx - step_x, ry - step_y
+    near = max(math.sqrt(rx * rx + ry * ry), LEAST)
+    far = max(math.sqrt(qx * qx + qy * qy), LEAST)
+    return rx / near + qx / far, ry / near + qy / far, near, far
+
+
+@part
+def _in_sight(px: float, py: float, wanted_x: float, wanted_y: float, cosine: float) -> float:
+    """Not negative if a thing that pushes along (px, py) is in sight; 0 at the edge of the sight."""
+    return -(px * wanted_x + py * wanted_y) - math.sqrt(px * px + py * py) * cosine
+
+
+@part
+def _share(before: float, after: float) -> float:
+    """The share of a step in which a number that goes evenly from one value to another is not negative."""
+    if before >= 0.0:
+        return 1.0 if after >= 0.0 else before / (before - after)
+    return after / (after - before) if after > 0.0 else 0.0
+
+
 @kernel
 def social_forces(
     passers: Passers,
@@ -69,6 +99,9 @@ def social_forces(
 ) -> None:
     """Accelerations [m/s^2] by which others and walls repel pedestrians, some time ahead, as all go on as they do.
 
+    That time is the middle of a step. Somebody who comes into sight or goes out of it within the step has the mean of
+    both weights.
+
     At a distance d from another whose step has the length s, b is at least sqrt(d (d - s)): if that makes a force
     negligible, it is left out.
 
@@ -84,7 +117,7 @@ def social_forces(
     velocity
         (N, 2) of the pedestrians over the ground [m/s].
     wanted
-        (N, 2) unit vector towards the pedestrian's goal.
+        (N, 4) unit vectors towards the pedestrian's goal, at the beginning and at the end of the step.
     walls
         The walls around.
     numbers
@@ -109,7 +142,6 @@ def social_forces(
         later = numbers[n, 8]
         vx, vy = velocity[n, 0], velocity[n, 1]
         now_x, now_y = poses[own[n], 0], poses[own[n], 1]
-        x, y = now_x + vx * later, now_y + vy * later
         my_x, my_y = vx * ahead * numbers[n, 7], vy * ahead * numbers[n, 7]
         pace = math.sqrt(vx * vx + vy * vy)
         relevant = width * math.log(max(strength / width / NEGLIGIBLE, 1.0))
@@ -133,24 +165,20 @@ def social_forces(
             if beyond > 0.0 and gap * beyond > relevant:
                 continue
             step_x, step_y = its_x * ahead - my_x, its_y * ahead - my_y
-            rx, ry = x - (poses[b, 0] + its_x * later), y - (poses[b, 1] + its_y * later)
-            distance = math.sqrt(rx * rx + ry * ry)
-            gap = distance - reach[b]
-            # From the pedestrian's centre to the other's outline.
-            share = max(gap, LEAST) / max(distance, LEAST)
-            rx, ry = rx * share, ry * share
-            qx, qy = rx - step_x, ry - step_y
-            near = max(math.sqrt(rx * rx + ry * ry), LEAST)
-            far = max(math.sqrt(qx * qx + qy * qy), LEAST)
+            to_x, to_y = (vx - its_x) * later, (vy - its_y) * later
+            px, py, _, _ = _pull(rx, ry, reach[b], step_x, step_y)
+            before = _in_sight(px, py, wanted[n, 0], wanted[n, 1], numbers[n, 5])
+            px, py, _, _ = _pull(rx + 2.0 * to_x, ry + 2.0 * to_y, reach[b], step_x, step_y)
+            after = _in_sight(px, py, wanted[n, 2], wanted[n, 3], numbers[n, 5])
+            seen = _share(before, after)
+            px, py, near, far = _pull(rx + to_x, ry + to_y, reach[b], step_x, step_y)
             both = near + far
             # The semi-minor axis of the ellipse around the other's step through the pedestrian.
             axis = max(0.5 * math.sqrt(max(both * both - step_x * step_x - step_y * step_y, 0.0)), LEAST)
             size = strength / width * math.exp(-axis / width) * both / (4.0 * axis)
-            fx, fy = size * (rx / near + qx / far), size * (ry / near + qy / far)
-            seen = -(fx * wanted[n, 0] + fy * wanted[n, 1]) >= math.sqrt(fx * fx + fy * fy) * numbers[n, 5]
-            weight = 1.0 if seen else numbers[n, 6]
-            sum_x += weight * fx
-            sum_y += weight * fy
+            weight = seen + (1.0 - seen) * numbers[n, 6]
+            sum_x += weight * (size * px)
+            sum_y += weight * (size * py)
         for k in range(rays):
             near = walls.distances[n, k]
             if near < math.inf and near <= walls.distances[n, k - 1] and near < walls.distances[n, (k + 1) % rays]:
