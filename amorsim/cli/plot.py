@@ -34,7 +34,7 @@ def command(
     except ModuleNotFoundError as error:
         if (error.name or "").partition(".")[0] != "matplotlib":
             raise
-        raise AmorsimError('plots need matplotlib; in the checkout: python -m pip install -e ".[plot]"') from None
+        raise AmorsimError('plots need matplotlib: python -m pip install "amorsim[plot]"') from None
     if ending := unfinished(RunFiles(folder)):
         complain(f"{folder}: this run {ending}")
     for path in plot_run(folder, out=out, robot=robot, replica=replica):

@@ -50,7 +50,7 @@ class _Lines:
         if progress.left is None and progress.done and progress.done < progress.total:
             say(f"{progress.done} of {progress.total} were done before")
         elif (now := time.monotonic()) - self._said_at > _EVERY and progress.done < progress.total:
-            say(f"{progress.done} of {progress.total} done, {_words(progress)}")
+            say(", ".join(filter(None, (f"{progress.done} of {progress.total} done", _words(progress)))))
             self._said_at = now
 
 

@@ -81,7 +81,7 @@ def draw(path: Path, plot: Callable[[Any], None]) -> bool:
     except ModuleNotFoundError as error:
         if error.name is None or error.name.partition(".")[0] != "matplotlib":
             raise
-        complain(f'{path.name} is left out: plots need matplotlib; in the checkout: python -m pip install -e ".[plot]"')
+        complain(f'{path.name} is left out: plots need matplotlib: python -m pip install "amorsim[plot]"')
         return False
     plot(study_plots)
     return True

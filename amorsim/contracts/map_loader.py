@@ -17,6 +17,7 @@ class MapLoader(abc.ABC):
     """Reads maps of one format; its fields are the options of `amorsim.load_map`."""
 
     extensions: ClassVar[tuple[str, ...]]  # with the dot, lower case
+    read_only: ClassVar[tuple[str, ...]] = ()  # those of them that `save` does not write
 
     @classmethod
     def sniff(cls, head: bytes) -> bool:

@@ -48,6 +48,7 @@ class Bitmap(MapLoader):
     extensions: ClassVar[tuple[str, ...]] = (
         *(".bmp", ".png", ".pgm", ".pbm", ".ppm", ".pnm", ".jpg", ".jpeg", ".gif", ".tif", ".tiff"),
     )
+    read_only: ClassVar[tuple[str, ...]] = (".jpg", ".jpeg")
 
     resolution: float | None = parameter(
         None, unit="m", gt=0, help="side of a pixel; without it and `size` 0.05, with a warning"
@@ -106,7 +107,7 @@ class Bitmap(MapLoader):
         Unknown cells are written as transparent ones, where the format has such.
         """
         kind = _SAVED_AS.get(path.suffix.lower())
-        if kind == "JPEG":
+        if path.suffix.lower() in cls.read_only:
             raise MapError("a JPEG blurs the cells of a map; save it as .png")
         refuse_too_many_pixels(world)
         x, y, yaw = world.origin

@@ -242,8 +242,16 @@ def _writer(path: Path, use: str | None, registry: Registry) -> type[MapLoader]:
         cls: type[MapLoader] = registry.get("map_loader", entry.name)
         if path.suffix.lower() in cls.extensions:
             return cls
-        known += cls.extensions
-    raise MapError(f"{path}: no map of a known format; known extensions: {', '.join(sorted(set(known)))}")
+        known += _writable(cls)
+    raise MapError(
+        f"{path}: no map can be written with this extension; those that can: {', '.join(sorted(set(known)))}"
+    )
+
+
+def _writable(cls: type[MapLoader]) -> list[str]:
+    """The extensions of the files that a loader writes."""
+    writes = cls.save.__func__ is not MapLoader.save.__func__  # type: ignore[attr-defined]  # a class's method
+    return [extension for extension in cls.extensions if writes and extension not in cls.read_only]
 
 
 def find_loader(path: Path, use: str | None, registry: Registry) -> tuple[str, type[MapLoader]]:

@@ -141,7 +141,7 @@ def test_plot_without_matplotlib_says_how_to_get_it(
         monkeypatch.setitem(sys.modules, name, None)
     result = amorsim("plot", "run")
     assert result.status == 2
-    assert 'in the checkout: python -m pip install -e ".[plot]"' in result.err
+    assert 'python -m pip install "amorsim[plot]"' in result.err
 
 
 def test_a_resolved_scenario_tells_of_sensors_without_a_rate(amorsim: Command, study: Path) -> None:

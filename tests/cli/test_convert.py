@@ -85,7 +85,7 @@ def test_a_scenario_gives_its_map(amorsim: Command, study: Path, tmp_path: Path)
     ("arguments", "words"),
     [
         (("none.wld", "a.png"), "none.wld: there is no such file"),
-        (("room.wld", "a.xyz"), "no format of maps is known by this extension"),
+        (("room.wld", "a.xyz"), "no map can be written with this extension"),
         (("room.wld", "a.jpg"), "a JPEG blurs"),
     ],
 )
@@ -93,6 +93,16 @@ def test_mistakes_are_reported(amorsim: Command, room: Path, arguments: tuple[st
     result = amorsim("convert", *arguments)
     assert result.status == 2
     assert words in result.err
+
+
+def test_every_extension_that_is_offered_can_be_written(amorsim: Command, room: Path) -> None:
+    offered = amorsim("convert", room, "a.xyz").err.strip().partition("those that can: ")[2].split(", ")
+    assert {".wld", ".png", ".yaml"} <= set(offered)
+    for extension in offered:
+        result = amorsim("convert", room, f"a{extension}", "--resolution", 0.05)
+        assert result.status == 0, result.err
+        (room.parent / f"a{extension}").unlink()
+        (room.parent / "a.pgm").unlink(missing_ok=True)
 
 
 # ------------------------------------------------------------------------------------------- scenarios, and by name

@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 
 import amorsim as am
+from amorsim.cli.progress import study_progress
 from amorsim.sweeps import spread
+from amorsim.sweeps.sweep import Progress
 from tests.cli.conftest import Command
 from tests.sweeps.studies import TRACK, study_file, tables
 
@@ -229,3 +231,12 @@ def test_a_folder_of_another_comparison_is_refused(amorsim: Command, pair: tuple
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "a").touch()
     assert "full: the folder holds files already" in amorsim("compare", *pair, *OF_FOUR, "--out", "full").err
+
+
+def test_progress_without_a_terminal_is_whole_words(monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
+    monkeypatch.setattr("amorsim.cli.progress._EVERY", -1.0)
+    with study_progress() as show:
+        assert show is not None
+        show(Progress(done=0, total=2, failed=0, left=None))
+        show(Progress(done=1, total=2, failed=1, left=30.0))
+    assert capsys.readouterr().out.splitlines() == ["0 of 2 done", "1 of 2 done, about 30 s left, 1 failed"]

@@ -115,8 +115,8 @@ def test_lines_can_be_written_as_pixels_too(tmp_path: Path) -> None:
     ("name", "words"),
     [
         ("plan.jpg", "a JPEG blurs the cells"),
-        ("plan.xyz", r"no map of a known format; known extensions: \.bmp, .*\.png, .*\.wld"),
-        ("plan", "no map of a known format"),
+        ("plan.xyz", r"no map can be written with this extension; those that can: \.bmp, .*\.png, .*\.wld"),
+        ("plan", "no map can be written with this extension"),
         ("none/plan.png", "No such file"),
     ],
 )

@@ -233,7 +233,7 @@ def test_without_the_extra_one_line_says_what_to_install(amorsim: Any, monkeypat
     )
     status, said = amorsim("view", "demo")
     assert status == 2
-    assert said.splitlines() == ['the window needs the extra "ui"; in the checkout: python -m pip install -e ".[ui]"']
+    assert said.splitlines() == ['the window needs the extra "ui": python -m pip install "amorsim[ui]"']
 
 
 def test_mistakes_are_reported_as_run_reports_them(

@@ -40,7 +40,7 @@ Say = Callable[[str], None]
 def check_extra() -> None:
     """Raise what says what to install where the window's own libraries are not there."""
     if any(importlib.util.find_spec(name) is None for name in ("starlette", "uvicorn", "websockets")):
-        raise AmorsimError('the window needs the extra "ui"; in the checkout: python -m pip install -e ".[ui]"')
+        raise AmorsimError('the window needs the extra "ui": python -m pip install "amorsim[ui]"')
 
 
 def can_be_mended(recipe: Recipe, faults: list[FaultLine]) -> bool:
