@@ -81,6 +81,22 @@ def test_every_command_is_in_the_table() -> None:
         assert f"| `amorsim {name}" in text, f"the README has no line for amorsim {name}"
 
 
+@pytest.mark.parametrize(
+    ("written", "printed"),
+    [
+        ("believes 0.010 m", "believes 0.006 m"),
+        ("0.00 m", "0.02 m"),
+        ("1e-3", "1.1e-3"),
+        ("1 robot", "2 robots"),
+        ("0", "1"),
+    ],
+)
+def test_small_figures_that_differ_are_noticed(written: str, printed: str) -> None:
+    check_output(written, written)
+    with pytest.raises(AssertionError):
+        check_output(written, printed)
+
+
 @pytest.mark.parametrize("change", ["1 robot", "off by 0.90 m", "off by ... metres"])
 def test_outputs_that_differ_are_noticed(change: str) -> None:
     check_output("off by 0.50 m", "off by 0.501 m")
