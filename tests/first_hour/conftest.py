@@ -33,7 +33,8 @@ _PROGRESS = re.compile(r"compiling the kernels|\d+ % simulated")
 _TOLERANCE = 0.02
 
 ROVER = '[[robots]]\nname = "rover"\nmodel = "pioneer2dx"\npose = { x = 1.0, y = 1.0 }\n'
-WORLD = '[world]\nmap = "rooms.wld"\n'
+ROOMS = ROOT / "amorsim" / "cli" / "template" / "rooms.wld"
+WORLD = f"[world]\nmap = '{ROOMS}'\n"
 
 
 @attrs.frozen
@@ -161,6 +162,11 @@ class Page:
     printed: str = ""
     ran: int = 0
 
+    def lend_maps(self) -> None:
+        """Put the maps into the folder that pages name which show parts of files and run no command."""
+        for name in ("rooms.wld", "room.wld", "hall.wld"):
+            Path(name).write_bytes(ROOMS.read_bytes())
+
     def run(self, block: Block) -> None:
         """Run or read a block; a ``text`` block after Python is what it prints."""
         before, self.printed = self.printed, ""
@@ -187,13 +193,9 @@ class Page:
 
 @pytest.fixture
 def page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Page]:
-    """A page to run in a folder of its own, where a map lies; its modules are imported from there, and forgotten."""
+    """A page to run in a folder of its own, an empty one; its modules are imported from there, and forgotten."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(tmp_path)
-    template = ROOT / "amorsim" / "cli" / "template" / "rooms.wld"
-    (tmp_path / "rooms.wld").write_bytes(template.read_bytes())
-    (tmp_path / "room.wld").write_bytes(template.read_bytes())
-    (tmp_path / "hall.wld").write_bytes((ROOT / "amorsim" / "scenarios" / "hall.wld").read_bytes())
     yield Page(monkeypatch)
     for name, module in list(sys.modules.items()):
         if (getattr(module, "__file__", None) or "").startswith(str(tmp_path)):

@@ -59,7 +59,10 @@ def _tool(name: str) -> ModuleType:
 
 @pytest.mark.parametrize("path", _marked([path for path in PAGES if _is_run(path)]), ids=_name)
 def test_a_page_does_what_it_says(path: Path, page: Page) -> None:
-    for block in blocks_of(path):
+    blocks = blocks_of(path)
+    if not any(block.language == "console" for block in blocks):
+        page.lend_maps()  # otherwise a reader who types the commands must have made all files before
+    for block in blocks:
         page.run(block)
     assert page.ran
 
