@@ -1,7 +1,8 @@
 """Atomic file writes: a file is replaced completely or not at all.
 
 Everything that amorsim writes, other than the lines that a run appends to, goes through here: into a temporary folder
-next to the file, to the disk, and only then over the old file. A failure or a kill leaves the old file unchanged.
+next to the file, to the disk, and only then over the old file. A failure or a kill leaves the old file unchanged; what
+a kill leaves of the temporary folder is removed by the next process that writes there.
 """
 
 from __future__ import annotations
@@ -10,24 +11,35 @@ import contextlib
 import errno
 import os
 import shutil
-import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
 from amorsim.core.arguments import path_of
 from amorsim.core.errors import AmorsimError, RunError
+from amorsim.core.left_behind import make_folder
 
-__all__ = ["check_place", "copy_file", "replacing", "write_bytes", "write_text"]
+__all__ = [
+    "check_place",
+    "copy_file",
+    "create_text",
+    "make_folders",
+    "new_file",
+    "replacing",
+    "write_bytes",
+    "write_text",
+]
 
-PREFIX = ".amorsim-"  # of the temporary folders; one that a kill left behind may be removed
+_NO_LINKS = (errno.EPERM, errno.ENOTSUP, errno.ENOSYS)  # of disks that know no second name for a file
 
 
 @contextlib.contextmanager
-def replacing(path: str | os.PathLike[str], error: type[AmorsimError] = RunError) -> Iterator[Path]:
+def replacing(
+    path: str | os.PathLike[str], error: type[AmorsimError] = RunError, *, within: Path | None = None
+) -> Iterator[Path]:
     """A path of the same name in a temporary folder; what is written there replaces `path` at the end.
 
-    Files written next to it replace those next to `path`. A link stays a link: the file that it leads to is replaced.
-    Permissions stay as they were. If the block raises, nothing is replaced.
+    Files written next to it replace those next to `path`. Permissions stay as they were. If the block raises, nothing
+    is replaced.
 
     Parameters
     ----------
@@ -35,48 +47,104 @@ def replacing(path: str | os.PathLike[str], error: type[AmorsimError] = RunError
         The file, which need not exist.
     error
         The exception raised in place of an `OSError` from the block or from the replacing.
+    within
+        The folder in which the file must stay, for names that amorsim chose: folders are made, and links below
+        `within` are replaced, never followed. Without it, for a file that the user named, a link stays a link: the
+        file that it leads to is replaced.
     """
     path = path_of(path, "path")
     try:
-        target = _real(path)
-        _refuse_to_replace(target)
-        folder = Path(tempfile.mkdtemp(prefix=PREFIX, dir=target.parent))
-        try:
-            new = folder / path.name
+        target = _target(path, within)
+        with new_file(path.name, target.parent) as new:
             yield new
-            beside = [file for file in folder.rglob("*") if file.is_file() and file != new]
-            for file in (*beside, new):
-                _sync(file)
-            if target.exists():
+            _sync_all(new.parent)
+            if target.exists() and not target.is_symlink():
                 shutil.copymode(target, new)
-            for file in beside:  # first, because the file itself may name them
-                place = path.parent / file.relative_to(folder)
-                place.parent.mkdir(parents=True, exist_ok=True)
-                file.replace(place)
+            for file in sorted(new.parent.rglob("*")):  # first, because the file itself may name them
+                if file.is_file() and file != new:
+                    place = path.parent / file.relative_to(new.parent)
+                    make_folders(place.parent, path.parent if within is None else within)
+                    file.replace(place)
             new.replace(target)
-        finally:
-            shutil.rmtree(folder, ignore_errors=True)
     except OSError as problem:
         raise error(f"{path}: cannot be written ({problem.strerror or problem})") from problem
+
+
+def create_text(path: Path, text: str) -> None:
+    """Write a text file that must not be there yet: of several processes that try, one succeeds.
+
+    Raises
+    ------
+    FileExistsError
+        If it is there.
+    RunError
+        If it cannot be written.
+    """
+    try:
+        with new_file(path.name, path.parent) as new:
+            new.write_bytes(text.encode())
+            _sync_all(new.parent)
+            try:
+                os.link(new, path)
+            except OSError as problem:
+                if problem.errno not in _NO_LINKS:
+                    raise
+                if path.exists():
+                    raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST)) from None
+                new.replace(path)
+    except FileExistsError:
+        raise
+    except OSError as problem:
+        raise RunError(f"{path}: cannot be written ({problem.strerror or problem})") from problem
 
 
 def check_place(path: str | os.PathLike[str], error: type[AmorsimError] = RunError) -> None:
     """Raise what `replacing` would for a place where no file can be written: before it is long computed."""
     path = path_of(path, "path")
     try:
-        target = _real(path)
-        _refuse_to_replace(target)
-        shutil.rmtree(tempfile.mkdtemp(prefix=PREFIX, dir=target.parent))
+        with new_file(path.name, _target(path, None).parent):
+            pass
     except OSError as problem:
         raise error(f"{path}: cannot be written ({problem.strerror or problem})") from problem
 
 
-def _real(path: Path) -> Path:
-    """Where a path leads to."""
+def make_folders(folder: Path, within: Path) -> None:
+    """Make `within` and the folders from there down to `folder`, which take the place of links.
+
+    Raises
+    ------
+    OSError
+        If one cannot be made.
+    """
+    within.mkdir(parents=True, exist_ok=True)
+    for each in reversed([folder, *folder.parents][: len(folder.relative_to(within).parts)]):
+        if each.is_symlink():
+            each.unlink()
+        each.mkdir(exist_ok=True)
+
+
+@contextlib.contextmanager
+def new_file(name: str, parent: Path) -> Iterator[Path]:
+    """A file or folder of this name to be written, in a temporary folder in `parent`, which is removed at the end."""
+    folder = make_folder(parent)
     try:
-        return Path(os.path.realpath(path))
+        yield folder / name
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _target(path: Path, within: Path | None) -> Path:
+    """The file that is replaced; raises `OSError` if it cannot be."""
+    if within is not None:
+        make_folders(path.parent, within)
+        if path.is_symlink():
+            return path
+    try:
+        target = Path(os.path.realpath(path)) if within is None else path
     except ValueError as problem:  # a zero byte, which no system has in a name
         raise OSError(errno.EINVAL, str(problem)) from None
+    _refuse_to_replace(target)
+    return target
 
 
 def _refuse_to_replace(target: Path) -> None:
@@ -91,26 +159,28 @@ def _refuse_to_replace(target: Path) -> None:
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
 
 
-def _sync(file: Path) -> None:
-    with file.open("rb+") as opened:
-        os.fsync(opened.fileno())
+def _sync_all(folder: Path) -> None:
+    for file in folder.rglob("*"):
+        if file.is_file():
+            with file.open("rb+") as opened:
+                os.fsync(opened.fileno())
 
 
-def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
-    """Write a file.
+def write_bytes(path: str | os.PathLike[str], data: bytes, *, within: Path | None = None) -> None:
+    """Write a file; `within` is that of `replacing`.
 
     Raises
     ------
     RunError
         If it cannot be written; the old file stays then.
     """
-    with replacing(path) as new:
+    with replacing(path, within=within) as new:
         new.write_bytes(data)
 
 
-def write_text(path: str | os.PathLike[str], text: str) -> None:
-    """Write a text file, in UTF-8 and with the line ends of `text`; raises as `write_bytes`."""
-    write_bytes(path, text.encode())
+def write_text(path: str | os.PathLike[str], text: str, *, within: Path | None = None) -> None:
+    """Write a text file, in UTF-8 and with the line ends of `text`; as `write_bytes`."""
+    write_bytes(path, text.encode(), within=within)
 
 
 def copy_file(source: str | os.PathLike[str], path: str | os.PathLike[str]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import errno
 import os
 import stat
 from pathlib import Path
@@ -12,7 +13,7 @@ import pytest
 import amorsim
 import amorsim as am
 from amorsim.core.errors import MapError, RunError
-from amorsim.core.whole_files import check_place, copy_file, replacing, write_bytes, write_text
+from amorsim.core.whole_files import check_place, copy_file, create_text, replacing, write_bytes, write_text
 from tests.disks import small_disk
 
 
@@ -178,3 +179,52 @@ def test_a_place_where_no_file_can_be_written_is_known_beforehand(tmp_path: Path
     check_place(tmp_path / "new")
     check_place(tmp_path / "file")
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_within_a_folder_links_are_replaced_and_never_followed(tmp_path: Path) -> None:
+    other = tmp_path / "other"
+    other.mkdir()
+    (other / "a.txt").write_text("precious")
+    folder = tmp_path / "run"
+    folder.mkdir()
+    (folder / "a.txt").symlink_to(other / "a.txt")
+    (folder / "dangling.txt").symlink_to(other / "none.txt")
+    (folder / "device.txt").symlink_to("/dev/full")
+    (folder / "folder.txt").symlink_to(other)
+    (folder / "plots").symlink_to(other)
+    names = ("a.txt", "dangling.txt", "device.txt", "folder.txt", "plots/a.txt", "plots/more/b.txt")
+    for name in names:
+        write_text(folder / name, "new", within=folder)
+    assert not [path for path in folder.rglob("*") if path.is_symlink()]
+    assert all((folder / name).read_text() == "new" for name in names)
+    assert [path.name for path in other.iterdir()] == ["a.txt"]
+    assert (other / "a.txt").read_text() == "precious"
+
+
+def test_files_beside_it_stay_within_the_folder_too(tmp_path: Path) -> None:
+    (tmp_path / "other").mkdir()
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "tiles").symlink_to(tmp_path / "other")
+    with replacing(tmp_path / "run" / "a.yaml", within=tmp_path / "run") as new:
+        new.write_text("a")
+        (new.parent / "tiles").mkdir()
+        (new.parent / "tiles" / "c.png").write_text("c")
+    assert (tmp_path / "run" / "tiles" / "c.png").read_text() == "c"
+    assert list((tmp_path / "other").iterdir()) == []
+
+
+def test_a_file_is_created_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    create_text(tmp_path / "a.txt", "first")
+    with pytest.raises(FileExistsError):
+        create_text(tmp_path / "a.txt", "second")
+
+    def no_links(*_: object) -> None:
+        raise OSError(errno.EPERM, "Operation not permitted")
+
+    monkeypatch.setattr(os, "link", no_links)  # as on FAT
+    create_text(tmp_path / "b.txt", "first")
+    with pytest.raises(FileExistsError):
+        create_text(tmp_path / "b.txt", "second")
+    with pytest.raises(RunError, match=r"none/a: cannot be written \(No such file or directory\)"):
+        create_text(tmp_path / "none" / "a", "first")
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {"a.txt": "first", "b.txt": "first"}
