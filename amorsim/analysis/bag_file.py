@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import shutil
-import tempfile
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, Final
@@ -17,7 +15,7 @@ from amorsim.analysis.files import RunFiles, Table
 from amorsim.analysis.message_values import beams_of, nanoseconds_of, quaternion
 from amorsim.analysis.own_columns import own_commands, own_readings
 from amorsim.core.errors import AnalysisError, RunError
-from amorsim.core.whole_files import PREFIX
+from amorsim.core.whole_files import make_folders, new_file
 from amorsim.scenario.spec import MountedSensor, Robot
 from amorsim.sensors import Compass, Encoder, Gps, Gyro, Imu
 from amorsim.simulation.alike import channels_of
@@ -35,7 +33,7 @@ _UNKNOWN = -1.0  # first element of a covariance of what an IMU does not measure
 Sent = tuple[int, str, Any]  # time [ns], topic, message
 
 
-def write_bag(files: RunFiles, path: Path) -> None:
+def write_bag(files: RunFiles, path: Path, within: Path) -> None:
     """Write the first replica of a run as a rosbag2, a folder with one MCAP file, compressed with zstd.
 
     =========================  =====================================================================================
@@ -54,6 +52,11 @@ def write_bag(files: RunFiles, path: Path) -> None:
     Messages are in the order in which they arrived; stamps say when they were measured. An array has no stamp, so those
     who read it take it for measured when it arrived. ROS's scans have single precision.
 
+    Parameters
+    ----------
+    within
+        The folder in which the bag must stay, as of `amorsim.core.whole_files.replacing`.
+
     Raises
     ------
     AnalysisError
@@ -69,8 +72,8 @@ def write_bag(files: RunFiles, path: Path) -> None:
     store = get_typestore(Stores.ROS2_HUMBLE)
     sent = sorted(_Messages(files, store).all(), key=lambda each: each[:2])
     try:
-        with tempfile.TemporaryDirectory(prefix=PREFIX, dir=path.parent) as place:
-            new = Path(place) / path.name
+        make_folders(path.parent, within)
+        with new_file(path.name, path.parent) as new:
             whole = Writer(new, version=_VERSION, storage_plugin=StoragePlugin.MCAP)
             # The chunks of the MCAP file, which every reader of MCAP opens; ROS takes the bag for an uncompressed one.
             whole.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
@@ -91,10 +94,12 @@ def write_bag(files: RunFiles, path: Path) -> None:
 
 def _put(new: Path, path: Path) -> None:
     """Move a bag to its place; an earlier bag there is replaced, anything else is not."""
+    if path.is_symlink():
+        path.unlink()
     if path.exists():
         if not (path / "metadata.yaml").exists():
             raise RunError(f"{path}: exists and is no bag; remove it, or name another folder")
-        shutil.rmtree(path)
+        path.rename(new.with_name(f"{path.name}-before"))
     new.rename(path)
 
 

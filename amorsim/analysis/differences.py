@@ -186,7 +186,7 @@ class Comparison:
         writer = csv.writer(text, lineterminator="\n")
         writer.writerow(names)
         writer.writerows([getattr(each, name) for name in names] for each in self.differences)
-        write_text(folder / "comparison.csv", text.getvalue())
+        write_text(folder / "comparison.csv", text.getvalue(), within=folder)
         about = {
             "format": 1,
             "labels": self.labels,
@@ -195,5 +195,5 @@ class Comparison:
             "differences": [{**attrs.asdict(each), "claim": str(each)} for each in self.differences],
             "origin": dict(self.origin),
         }
-        write_text(folder / ABOUT, json.dumps(about, indent=2) + "\n")
+        write_text(folder / ABOUT, json.dumps(about, indent=2) + "\n", within=folder)
         return [folder / "comparison.csv", folder / ABOUT]

@@ -7,9 +7,9 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from amorsim.analysis.files import RunFiles
-from amorsim.analysis.trajectory import Trajectory, run_trajectories, write_csv, write_kitti, write_tum
+from amorsim.analysis.trajectory import run_trajectories, write_csv, write_kitti, write_tum
 from amorsim.core.arguments import path_of
-from amorsim.core.errors import AnalysisError, RunError
+from amorsim.core.errors import AnalysisError
 from amorsim.core.whole_files import replacing
 from amorsim.runs.folder import tables_of
 
@@ -17,7 +17,7 @@ __all__ = ["FORMATS", "export_run"]
 
 FORMATS = ("tum", "kitti", "csv", "parquet", "mcap", "rosbag")
 
-_WRITERS: Mapping[str, Callable[[Trajectory, Path], None]] = {"tum": write_tum, "kitti": write_kitti, "csv": write_csv}
+_WRITERS: Mapping[str, Callable[..., None]] = {"tum": write_tum, "kitti": write_kitti, "csv": write_csv}
 
 
 def export_run(
@@ -53,29 +53,26 @@ def export_run(
     if kind not in FORMATS:
         raise AnalysisError(f"there is no format {kind!r}; expected one of {', '.join(FORMATS)}")
     files = RunFiles(run)
-    folder = files.folder / "export" if out is None else path_of(out, "out")
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise RunError(f"{folder}: cannot be written ({error.strerror or error})") from None
+    within = files.folder if out is None else path_of(out, "out")
+    folder = within / "export" if out is None else within
     if kind == "parquet":
-        return _tables(files, folder)
+        return _tables(files, folder, within)
     if kind == "mcap":
         from amorsim.analysis.mcap_file import write_mcap
 
         path = folder / f"{files.folder.resolve().name}.mcap"
-        write_mcap(files, path)
+        write_mcap(files, path, within)
         return [path]
     if kind == "rosbag":
         from amorsim.analysis.bag_file import write_bag
 
         path = folder / f"{files.folder.resolve().name}-rosbag2"
-        write_bag(files, path)
+        write_bag(files, path, within)
         return [path]
-    return _trajectories(files, folder, kind)
+    return _trajectories(files, folder, kind, within)
 
 
-def _trajectories(files: RunFiles, folder: Path, kind: str) -> list[Path]:
+def _trajectories(files: RunFiles, folder: Path, kind: str, within: Path) -> list[Path]:
     made: dict[Path, None] = {}
     for replica, robot in files.rows:
         stem = f"{robot}-{replica}" if len(files.replicas) > 1 else robot
@@ -87,12 +84,12 @@ def _trajectories(files: RunFiles, folder: Path, kind: str) -> list[Path]:
             path = folder / f"{stem}-{name}.{kind}"
             if path in made:
                 raise AnalysisError(f"{path}: two trajectories would have this name; rename a robot or an estimator")
-            _WRITERS[kind](trajectory, path)
+            _WRITERS[kind](trajectory, path, within=within)
             made[path] = None
     return list(made)
 
 
-def _tables(files: RunFiles, folder: Path) -> list[Path]:
+def _tables(files: RunFiles, folder: Path, within: Path) -> list[Path]:
     try:
         import pyarrow
         from pyarrow import parquet
@@ -102,13 +99,12 @@ def _tables(files: RunFiles, folder: Path) -> list[Path]:
     for file in tables_of(files.folder, files.about.get("inputs", ())):
         name = file.relative_to(files.folder).with_suffix("").as_posix()
         path = folder / f"{name}.parquet"
-        path.parent.mkdir(parents=True, exist_ok=True)
         # Texts are texts in a table without a line too, so that the tables of several runs fit together.
         columns = {
             key: pyarrow.array(values, pyarrow.string() if values.dtype == object else None)
             for key, values in files.table(name, replica="all").items()
         }
-        with replacing(path) as new:
+        with replacing(path, within=within) as new:
             parquet.write_table(pyarrow.table(columns), new)
         made.append(path)
     return made

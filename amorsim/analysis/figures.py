@@ -56,8 +56,8 @@ def new_figure(rows: int = 1, *, height: float = 5.0, ratios: list[float] | None
     return figure, list(axes)
 
 
-def save_figure(figure: Figure, path: Path, *, dpi: int) -> None:
-    """Write a figure as a PNG.
+def save_figure(figure: Figure, path: Path, *, dpi: int, within: Path | None = None) -> None:
+    """Write a figure as a PNG; `within` is that of `amorsim.core.whole_files.replacing`.
 
     Raises
     ------
@@ -66,7 +66,7 @@ def save_figure(figure: Figure, path: Path, *, dpi: int) -> None:
     """
     drawn = io.BytesIO()
     figure.savefig(drawn, format="png", dpi=dpi)
-    write_bytes(path, drawn.getvalue())
+    write_bytes(path, drawn.getvalue(), within=within)
 
 
 def tidy(axis: Any) -> None:

@@ -67,12 +67,17 @@ Message = tuple[float, str, str, dict[str, Any]]  # time [s], topic, schema, con
 _WARNING = 3
 
 
-def write_mcap(files: RunFiles, path: Path) -> None:
+def write_mcap(files: RunFiles, path: Path, within: Path) -> None:
     """Write the first replica of a run: true and estimated poses, true frames, readings, commands, events.
 
     Topics are ``/ROBOT/true_pose``, ``/ROBOT/estimated_pose``, ``/ROBOT/SENSOR``, ``/ROBOT/command``, ``/tf/ROBOT`` and
     ``/events``. Ranges at even angles are scans; other readings are lists of numbers. Ranges without a return are left
     at 0; in lists they are ``"Infinity"``, and numbers that are none are null, because JSON has neither.
+
+    Parameters
+    ----------
+    within
+        The folder in which the file must stay, as of `amorsim.core.whole_files.replacing`.
 
     Raises
     ------
@@ -86,7 +91,7 @@ def write_mcap(files: RunFiles, path: Path) -> None:
     except ModuleNotFoundError:
         raise AnalysisError('MCAP needs a library: python -m pip install "amorsim[mcap]"') from None
     messages = sorted(_messages(files), key=lambda message: message[:2])
-    with replacing(path) as new, new.open("wb") as stream:
+    with replacing(path, within=within) as new, new.open("wb") as stream:
         writer = Writer(stream)
         writer.start(profile="", library="amorsim")
         schemas, channels = {}, {}

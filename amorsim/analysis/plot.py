@@ -17,7 +17,7 @@ from amorsim.analysis.replica_plots import draw_all_errors, draw_all_speeds, dra
 from amorsim.analysis.sensor_plots import draw_sensor
 from amorsim.analysis.time_plots import draw_error, draw_heading, draw_speed, draw_wheels
 from amorsim.analysis.traces import read_trace
-from amorsim.core.errors import RunError
+from amorsim.core.arguments import path_of
 
 __all__ = ["pictures_of", "plot_run", "unfinished"]
 
@@ -57,19 +57,16 @@ def plot_run(
     files = RunFiles(folder)
     name = robot or files.robots[0]
     drawn = pictures_of(files, name, replica)
-    target = Path(out) if out is not None else Path(folder) / "plots"
+    within = path_of(folder if out is None else out, "out")
+    target = within / "plots" if out is None else within
     stem, who = _file_name(files, name, replica), _who(files, name, replica)
-    try:
-        target.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise RunError(f"{target}: cannot be written ({error.strerror or error})") from None
     made = []
     for kind, (what, draw) in drawn.items():
         figure = draw()
         if figure is not None:
             figure.suptitle(_literal(f"{what}\n{who}"), x=0.02, ha="left", fontsize=11)
             path = target / f"{stem}-{_plain(kind)}.png"
-            save_figure(figure, path, dpi=120)
+            save_figure(figure, path, dpi=120, within=within)
             made.append(path)
     return made
 

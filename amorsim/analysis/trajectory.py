@@ -6,6 +6,7 @@ import csv
 import math
 import os
 from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 
 import attrs
 import numpy as np
@@ -241,8 +242,13 @@ def yaw(x: float, y: float, z: float, w: float) -> float:
 # ------------------------------------------------------------------------------------------------------------- writing
 
 
-def write_tum(trajectory: Trajectory, path: str | os.PathLike[str]) -> None:
+def write_tum(trajectory: Trajectory, path: str | os.PathLike[str], *, within: Path | None = None) -> None:
     """Write a trajectory in the format of the TUM benchmark, z = 0; `read_tum` reads the same poses, but for rounding.
+
+    Parameters
+    ----------
+    within
+        A folder in which the file must stay: links in it are replaced. Without it, a link is followed.
 
     Raises
     ------
@@ -254,22 +260,23 @@ def write_tum(trajectory: Trajectory, path: str | os.PathLike[str]) -> None:
         trajectory,
         lambda time, x, y, heading: (time, x, y, 0.0, 0.0, 0.0, math.sin(0.5 * heading), math.cos(0.5 * heading)),
         "# timestamp tx ty tz qx qy qz qw\n",
+        within=within,
     )
 
 
-def write_kitti(trajectory: Trajectory, path: str | os.PathLike[str]) -> None:
-    """Write a trajectory in KITTI's format, in the plane xy; times are lost. Raises as `write_tum`."""
+def write_kitti(trajectory: Trajectory, path: str | os.PathLike[str], *, within: Path | None = None) -> None:
+    """Write a trajectory in KITTI's format, in the plane xy; times are lost. As `write_tum`."""
 
     def row(_: float, x: float, y: float, heading: float) -> tuple[float, ...]:
         cos, sin = math.cos(heading), math.sin(heading)
         return cos, -sin, 0.0, x, sin, cos, 0.0, y, 0.0, 0.0, 1.0, 0.0
 
-    _write(path, trajectory, row)
+    _write(path, trajectory, row, within=within)
 
 
-def write_csv(trajectory: Trajectory, path: str | os.PathLike[str]) -> None:
-    """Write a trajectory as ``time,x,y,heading`` [s, m, m, rad], to the bit. Raises as `write_tum`."""
-    _write(path, trajectory, lambda *row: row, ",".join(_CSV) + "\n", ",")
+def write_csv(trajectory: Trajectory, path: str | os.PathLike[str], *, within: Path | None = None) -> None:
+    """Write a trajectory as ``time,x,y,heading`` [s, m, m, rad], to the bit. As `write_tum`."""
+    _write(path, trajectory, lambda *row: row, ",".join(_CSV) + "\n", ",", within=within)
 
 
 def _write(
@@ -278,9 +285,12 @@ def _write(
     row: Callable[[float, float, float, float], tuple[float, ...]],
     head: str = "",
     between: str = " ",
+    *,
+    within: Path | None,
 ) -> None:
     check_kind(trajectory, Trajectory, "trajectory", "a Trajectory, as am.analysis.read_tum('true.tum')")
-    write_text(path, head + "".join(f"{between.join(map(repr, row(*each)))}\n" for each in _rows(trajectory)))
+    lines = (f"{between.join(map(repr, row(*each)))}\n" for each in _rows(trajectory))
+    write_text(path, head + "".join(lines), within=within)
 
 
 def _rows(trajectory: Trajectory) -> Iterator[tuple[float, float, float, float]]:

@@ -188,5 +188,5 @@ def _draw(found: Comparison, folder: Path) -> Path | None:
         complain('comparison.png is left out: plots need matplotlib: python -m pip install "amorsim[plot]"')
         return None
     path = folder / "comparison.png"
-    save_figure(draw_comparison(found), path, dpi=110)
+    save_figure(draw_comparison(found), path, dpi=110, within=folder)
     return path

@@ -41,7 +41,7 @@ def report(folder: str | os.PathLike[str], out: str | os.PathLike[str] | None = 
     for name, page in _KINDS:
         if (folder / name).exists():
             path = folder / "report.html" if out is None else path_of(out, "out")
-            write_text(path, page(folder).text)
+            write_text(path, page(folder).text, within=folder if out is None else None)
             return path
     raise AnalysisError(
         f"{folder}: expected the folder of a run, a study or a comparison, with one of "
