@@ -1,4 +1,4 @@
-"""Other processes of Python: how they are started, and ended together with those that they started."""
+"""Other processes of Python: how they are started, and end together with the one that started them."""
 
 from __future__ import annotations
 
@@ -8,9 +8,14 @@ import os
 import signal
 import subprocess
 import sys
+import threading
+import time
 from collections.abc import Sequence
 
-__all__ = ["end_with_children", "python_command"]
+__all__ = ["end_with_children", "end_with_parent", "python_command"]
+
+_LOOK = 0.5  # [s] between two looks at whether the parent lives
+_watched: set[int] = set()
 
 
 def python_command(code: str, path: Sequence[str] | None = None) -> list[str]:
@@ -32,3 +37,21 @@ def end_with_children(process: subprocess.Popen[bytes]) -> None:
     with contextlib.suppress(OSError):
         process.kill()
     process.wait()
+
+
+def end_with_parent(parent: int) -> None:
+    """End this process once its parent has ended, however that happened; `parent` is the parent's number.
+
+    Only for processes that read nothing from their parent: the others see that it has ended. Calling it again does
+    nothing.
+    """
+    if parent in _watched or os.name == "nt":  # where the number of an ended parent stays
+        return
+    _watched.add(parent)
+    threading.Thread(target=_watch, args=(parent,), name="amorsim-parent", daemon=True).start()
+
+
+def _watch(parent: int) -> None:
+    while os.getppid() == parent:
+        time.sleep(_LOOK)
+    os._exit(1)

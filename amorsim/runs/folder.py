@@ -16,7 +16,8 @@ from typing import Any
 
 from amorsim.core.arguments import path_of
 from amorsim.core.errors import RunError
-from amorsim.core.whole_files import write_text
+from amorsim.core.left_behind import HIDDEN, own_name, remove_left
+from amorsim.core.whole_files import create_text, write_text
 from amorsim.plugins.manager import default_registry
 from amorsim.runs.machine import processor
 
@@ -38,8 +39,6 @@ ABOUT = "run.json"
 _TABLES = ("poses", "velocities", "commands", "events", "obstacles", "parts")
 _PLACES = ("sensors", "estimates", "beliefs")  # folders of further tables
 _MADE_LATER = ("export", "plots")  # folders of files that are made of the run's tables
-CLAIM = ".amorsim-claim"  # a folder that exists while a run claims the folder around it
-ROOM = ".amorsim-room"  # a file that reserves space until a run ends: on a full disk, the last run.json replaces it
 _LONGEST_LINE = 1 << 20  # bytes
 _ROOM_BESIDES = 16384  # bytes: a folder, and files in whole blocks
 
@@ -80,10 +79,10 @@ def next_folder(path: str | os.PathLike[str]) -> Path:
     return found
 
 
-def check_free(path: Path | None, besides: str = "") -> None:
+def check_free(path: Path | None) -> None:
     """Raise an error for a folder that is not empty, before anything is computed for it; None is always free.
 
-    The folder may contain an entry named `besides`.
+    Temporary files of processes that write there do not count; those that a killed one left are removed.
 
     Raises
     ------
@@ -98,13 +97,22 @@ def check_free(path: Path | None, besides: str = "") -> None:
     if not path.is_dir():
         raise RunError(f"{path}: is a file; name a folder, new or empty")
     try:
-        there = next((each.name for each in path.iterdir() if each.name != besides), "")
+        remove_left(path)
+        there = next((each.name for each in path.iterdir() if not each.name.startswith(HIDDEN)), "")
     except OSError as error:
         raise RunError(f"{path}: cannot make this folder for the run ({error.strerror or error})") from None
     if there:  # named, for it may be one that a listing leaves out
-        raise RunError(
-            f"{path}: the folder holds files already, such as {there}; name another one, or one that is not there"
-        )
+        raise _taken(path, there)
+
+
+def _taken(path: Path, there: str) -> RunError:
+    return RunError(
+        f"{path}: the folder holds files already, such as {there}; name another one, or one that is not there"
+    )
+
+
+def _text(about: Mapping[str, Any]) -> str:
+    return json.dumps(about, indent=2) + "\n"
 
 
 class RunFolder:
@@ -133,11 +141,9 @@ class RunFolder:
         else:
             self.path = path_of(path, "folder")
             self._make()
+        self._room: Path | None = None  # reserves space until a run ends: on a full disk, the last run.json takes it
         try:
             self._claim(about)
-        except OSError as error:
-            self._remove_folders()
-            raise self._failure(error) from None
         except RunError:
             self._remove_folders()
             raise
@@ -154,13 +160,10 @@ class RunFolder:
             raise self._failure(error) from None
 
     def _claim(self, about: Mapping[str, Any]) -> None:
-        claim = self.path / CLAIM
-        claim.mkdir()  # only one of two that begin together makes it
         try:
-            check_free(self.path, besides=CLAIM)  # the other one may be through with this
-            self.write_about(about)
-        finally:
-            claim.rmdir()
+            create_text(self.path / ABOUT, _text(about))
+        except FileExistsError:  # of two that begin together, the other one made it
+            raise _taken(self.path, ABOUT) from None
 
     def _failure(self, error: OSError) -> RunError:
         return RunError(f"{self.path}: cannot make this folder for the run ({error.strerror or error})")
@@ -185,7 +188,7 @@ class RunFolder:
         RunError
             If it cannot be written.
         """
-        write_text(self.path / ABOUT, json.dumps(about, indent=2) + "\n")
+        write_text(self.path / ABOUT, _text(about))
 
     def set_room_aside(self, size: int) -> None:
         """Reserve `size` bytes of the disk for `write_end`, plus the overhead of a file.
@@ -195,15 +198,17 @@ class RunFolder:
         RunError
             If there is no room.
         """
+        self._room = self.path / own_name("room")
         try:
-            (self.path / ROOM).write_bytes(bytes(size + _ROOM_BESIDES))
+            self._room.write_bytes(bytes(size + _ROOM_BESIDES))
         except OSError as error:
             raise RunError(f"{self.path}: there is no room for the run's files ({error.strerror or error})") from None
 
     def write_end(self, about: Mapping[str, Any]) -> None:
         """Like `write_about`, but also on a full disk, because space was reserved."""
-        with contextlib.suppress(OSError):
-            (self.path / ROOM).unlink()
+        if self._room is not None:
+            with contextlib.suppress(OSError):
+                self._room.unlink()
         self.write_about(about)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ import attrs
 
 from amorsim.core.arguments import path_of
 from amorsim.core.errors import AmorsimError, RunError
+from amorsim.core.left_behind import temporary_folder
 from amorsim.runs.about import RUN_FOLDER, read_about, scenario_of
 from amorsim.runs.compare import TOLERANCE, Difference, first_difference
 from amorsim.runs.folder import circumstances, fingerprints
@@ -80,8 +80,8 @@ def reproduce(folder: str | os.PathLike[str], *, progress: Callable[[float], Non
         )
     steps = _steps_done(before, about)
     scenario = attrs.evolve(scenario, recording=attrs.evolve(scenario.recording, picture=False))
-    with tempfile.TemporaryDirectory(prefix="amorsim-") as beside:
-        after = Path(beside) / "run"
+    with temporary_folder("reproduce") as beside:
+        after = beside / "run"
         try:
             simulation = Simulation(scenario, seed=about["seed"], replicas=about["replicas"])
             if problem := different_world(about, simulation):

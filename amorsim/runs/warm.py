@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import subprocess
 import sys
-import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -19,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from amorsim.contracts import Planner
+from amorsim.core.left_behind import temporary_folder
 from amorsim.core.map import Map
 from amorsim.core.parameters import describe
 from amorsim.core.shapes import Shape
@@ -153,8 +153,8 @@ def _try_all(names: Sequence[str], one_more: Callable[[], None]) -> None:
             _OTHERS[name]()
         else:
             scenario, steps = _TRIALS[name]() if name in _TRIALS else (load(name), _STEPS.get(name, 2))
-            with tempfile.TemporaryDirectory() as folder:
-                run(scenario, Path(folder) / "run", duration=steps * scenario.dt)
+            with temporary_folder("compile") as folder:
+                run(scenario, folder / "run", duration=steps * scenario.dt)
         one_more()
 
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import json
-import tempfile
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from amorsim.core.errors import AmorsimError, RunError, StudyError
+from amorsim.core.left_behind import temporary_folder
 from amorsim.core.reading import is_file
-from amorsim.core.whole_files import write_text
+from amorsim.core.whole_files import create_text, write_text
 from amorsim.runs.about import read_about
 from amorsim.runs.folder import check_free, circumstances, fingerprints
 from amorsim.scenario.beside import files_beside
@@ -76,19 +76,26 @@ class StudyFolder:
                 **circumstances(),
             }
             self._begin()
+        if not is_file(path / STUDY):  # or it was killed before
+            self._write(STUDY, table_text(plan.tables))
 
     def _begin(self) -> None:
         try:
             check_free(self.path)
-            (self.path / CHUNKS).mkdir(parents=True, exist_ok=True)
-            write_text(self.path / STUDY, table_text(self._plan.tables))
-            self.write_about("running")
+            self.path.mkdir(parents=True, exist_ok=True)
+            create_text(self.path / ABOUT, self._text())  # first: a study that is killed from here on can go on
         except OSError as error:
             raise StudyError(
                 f"{self.path}: cannot make this folder for the study ({error.strerror or error})"
             ) from None
         except RunError as error:
             raise StudyError(str(error).replace("for the run", "for the study")) from None
+
+    def _write(self, name: str, text: str) -> None:
+        try:
+            write_text(self.path / name, text, within=self.path)
+        except RunError as error:
+            raise StudyError(str(error)) from None
 
     def _check_same(self, inputs: Mapping[str, str]) -> None:
         """Raise unless the folder is of this very study, by the same version."""
@@ -110,7 +117,10 @@ class StudyFolder:
     def write_about(self, status: str) -> None:
         """Write ``study.json``; raises `RunError` as `write_text`."""
         self.about["status"] = status
-        write_text(self.path / ABOUT, json.dumps(self.about, indent=2) + "\n")
+        write_text(self.path / ABOUT, self._text(), within=self.path)
+
+    def _text(self) -> str:
+        return json.dumps(self.about, indent=2) + "\n"
 
     def _file(self, index: int) -> Path:
         return self.path / CHUNKS / f"{index // _EACH:05d}" / f"{index:08d}.json"
@@ -153,9 +163,8 @@ class StudyFolder:
         content: dict[str, Any] = {"index": outcome.index, "seed": outcome.seed}
         content |= {"error": outcome.error} if outcome.error else {"values": outcome.values, "digests": outcome.digests}
         try:
-            file.parent.mkdir(exist_ok=True)
-            write_text(file, json.dumps(content) + "\n")
-        except (OSError, RunError) as error:
+            write_text(file, json.dumps(content) + "\n", within=self.path)
+        except RunError as error:
             raise StudyError(
                 f"{error}; what was done before is in {self.path}. Make room, and give the same command again"
             ) from None
@@ -257,8 +266,7 @@ def _files_of(scenario: Scenario) -> dict[str, str]:
     AmorsimError
         If a file cannot be read.
     """
-    with tempfile.TemporaryDirectory(prefix="amorsim-") as place:
-        folder = Path(place)
+    with temporary_folder("study") as folder:
         text = table_text(with_copies(scenario, folder))
         files = sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
         return {

@@ -126,7 +126,7 @@ class Several:
                 folder.mkdir(parents=True, exist_ok=True)
             except OSError as error:
                 raise StudyError(f"{folder}: cannot make this folder ({error.strerror or error})") from None
-        write_text(folder / ABOUT, json.dumps(about, indent=2) + "\n")
+        write_text(folder / ABOUT, json.dumps(about, indent=2) + "\n", within=folder)
         return folder
 
     def sweep(

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import itertools
+import os
 import re
+import tempfile
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
@@ -13,6 +15,7 @@ from typing import Any
 import attrs
 
 from amorsim.core.errors import StudyError
+from amorsim.core.processes import end_with_parent
 from amorsim.sweeps.chunk import Outcome, ignore_interrupts, run_chunk, without_interrupts
 from amorsim.sweeps.plan import Plan
 
@@ -42,7 +45,8 @@ def in_this_process(plan: Plan, todo: Sequence[int], work_of: MakeWork) -> Itera
         yield run_chunk(plan, index, work_of(index).folder)
 
 
-def _in_worker(plan: Plan, work: Work) -> Outcome:
+def _in_worker(plan: Plan, work: Work, parent: int) -> Outcome:
+    end_with_parent(parent)
     ignore_interrupts()
     if work.begun:
         with contextlib.suppress(OSError):  # what cannot be written is reported when the outcome is
@@ -85,14 +89,20 @@ def _parallel(plan: Plan, todo: Iterator[Work], jobs: int) -> Iterator[Outcome]:
     from joblib.externals.loky.process_executor import TerminatedWorkerError
 
     run = joblib.Parallel(
-        n_jobs=jobs, backend="loky", return_as="generator_unordered", batch_size=1, pre_dispatch="2*n_jobs"
+        n_jobs=jobs,
+        backend="loky",
+        return_as="generator_unordered",
+        batch_size=1,
+        pre_dispatch="2*n_jobs",
+        max_nbytes=None,  # no array is shared by a file, and with a folder named, none is made in advance in /dev/shm
+        temp_folder=tempfile.gettempdir(),
     )
     with warnings.catch_warnings():
         # Of workers that stopped: the outcomes of their chunks say so.
         warnings.filterwarnings("ignore", module="joblib")
         try:
             with without_interrupts():
-                outcomes = run(joblib.delayed(_in_worker)(plan, work) for work in todo)
+                outcomes = run(joblib.delayed(_in_worker)(plan, work, os.getpid()) for work in todo)
             yield from outcomes
         except TerminatedWorkerError:
             raise _DiedError from None

@@ -173,7 +173,7 @@ def write_tables(folder: Path, plan: Plan, own_seed: int, outcomes: Iterable[Out
     except ModuleNotFoundError:
         pyarrow = None
     path = folder / (CSV if pyarrow is None else PARQUET)
-    with replacing(path, StudyError) as new:
+    with replacing(path, StudyError, within=folder) as new:
         if pyarrow is None:
             _write_csv(new, kinds, parts)
         else:

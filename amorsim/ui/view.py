@@ -8,13 +8,12 @@ import os
 import re
 import subprocess
 import sys
-import tempfile
-from pathlib import Path
 from typing import Any
 
 import attrs
 
 from amorsim.core.errors import AmorsimError, Fault, ScenarioError
+from amorsim.core.left_behind import temporary_folder
 from amorsim.core.user_code import UserCode
 from amorsim.runs.session import run_name
 from amorsim.scenario.controller_files import reference_to
@@ -75,10 +74,10 @@ def view(
             "the window's simulation looks for a component in this file, and must not open a window of its "
             "own; put what the script does below: if __name__ == '__main__':"
         )
-    with tempfile.TemporaryDirectory(prefix="amorsim-view-", ignore_cleanup_errors=True) as passing:
+    with temporary_folder("view") as passing:
         file = ""
         if isinstance(scenario, Scenario):
-            path = Path(passing).resolve() / f"{run_name(scenario)}.toml"
+            path = passing.resolve() / f"{run_name(scenario)}.toml"
             write_table(with_maps(_named(scenario), path.parent), path)
             file = str(path)
             recipe = Recipe(name=file, passing=str(path.parent))

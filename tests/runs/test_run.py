@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import attrs
@@ -12,7 +14,7 @@ import pytest
 from PIL import Image
 
 import amorsim as am
-from amorsim.runs.folder import CLAIM, ROOM, RunFolder, new_folder
+from amorsim.runs.folder import RunFolder, new_folder
 from tests import building
 from tests.disks import small_disk
 from tests.studies import make_study
@@ -283,17 +285,31 @@ def test_of_two_runs_that_begin_in_one_empty_folder_one_is_refused(tmp_path: Pat
         RunFolder(tmp_path, "run", {})
     with pytest.raises(am.RunError, match="holds files already"):  # one that found it empty a moment ago
         first._claim({})
-    (tmp_path / "run.json").unlink()
-    (tmp_path / CLAIM).mkdir()
-    with pytest.raises(am.RunError, match="holds files already"):
-        RunFolder(tmp_path, "run", {})
-    assert files_of(tmp_path) == set()
+    assert about(tmp_path) == {"first": True}
+    assert files_of(tmp_path) == {"run.json"}
+
+
+KILLED = """
+import os, signal, sys
+from amorsim.runs.folder import RunFolder
+os.link = lambda *_: os.kill(os.getpid(), signal.SIGKILL)  # what claims the folder
+RunFolder(sys.argv[1], "run", {})
+"""
+
+
+def test_a_run_that_was_killed_in_its_first_moment_leaves_its_folder_free(tmp_path: Path) -> None:
+    subprocess.run([sys.executable, "-c", KILLED, str(tmp_path)], check=False)
+    assert len(list(tmp_path.iterdir())) == 1
+    RunFolder(tmp_path, "run", {"second": True})
+    assert [path.name for path in tmp_path.iterdir()] == ["run.json"]
+    assert about(tmp_path) == {"second": True}
 
 
 def test_room_is_kept_for_the_last_word(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = RunFolder(tmp_path, "run", {})
     folder.set_room_aside(100)
-    assert (tmp_path / ROOM).stat().st_size > 100
+    (room,) = tmp_path.glob(".amorsim-*-room")
+    assert room.stat().st_size > 100
     seen = []
     monkeypatch.setattr("amorsim.runs.folder.write_text", lambda *_: seen.append(files_of(tmp_path)))
     folder.write_end({})

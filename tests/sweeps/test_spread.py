@@ -6,7 +6,9 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +18,7 @@ import amorsim as am
 from amorsim.sweeps import spread
 from amorsim.sweeps.chunk import Outcome
 from amorsim.sweeps.read import read_plan
+from tests.processes import is_running
 from tests.sweeps.studies import TRACK, needs_extra, study_file, tables
 
 pytestmark = needs_extra
@@ -38,6 +41,36 @@ def test_two_processes_give_the_same_table(tmp_path: Path) -> None:
     am.sweep(given, tmp_path / "one")
     am.sweep(given, tmp_path / "two", jobs=2)
     assert table_of(tmp_path / "one") == table_of(tmp_path / "two")
+
+
+@pytest.mark.skipif(not Path("/dev/shm").is_dir(), reason="as Linux has it")
+def test_workers_of_a_study_that_is_killed_end_too(tmp_path: Path) -> None:
+    given = small(tmp_path / "s", 4)
+    (tmp_path / "s" / "slow.py").write_text(
+        "import os, time\nfrom pathlib import Path\n\n\n"
+        "def step(readings, estimate, clock):\n"
+        f"    Path({str(tmp_path)!r}, f'pid-{{os.getpid()}}').touch()\n"
+        "    time.sleep(60.0)\n"
+    )
+    scenario = tmp_path / "s" / "small.toml"
+    scenario.write_text(scenario.read_text().replace('use = "square", side = 2.0', 'use = "slow.py:step"'))
+    path = study_file(tmp_path / "s" / "study.toml", given)
+    command = [sys.executable, "-m", "amorsim", "sweep", path, "--jobs", "2", "--out", tmp_path / "out"]
+    with subprocess.Popen(list(map(str, command)), cwd=tmp_path, stdout=subprocess.DEVNULL) as process:
+        wait_until(lambda: len(list(tmp_path.glob("pid-*"))) >= 2)
+        workers = {int(found.name.removeprefix("pid-")) for found in tmp_path.glob("pid-*")}
+        assert len(workers) == 2
+        process.kill()
+    wait_until(lambda: not any(map(is_running, workers)))
+    for place in ("/dev/shm", tempfile.gettempdir()):
+        assert list(Path(place).glob(f"joblib_memmapping_folder_{process.pid}_*")) == []
+
+
+def wait_until(is_so: Callable[[], bool], seconds: float = 60.0) -> None:
+    end = time.monotonic() + seconds
+    while not is_so():
+        assert time.monotonic() < end
+        time.sleep(0.1)
 
 
 @pytest.mark.long
@@ -214,7 +247,7 @@ def test_a_worker_computes_even_if_it_cannot_leave_its_mark(tmp_path: Path, monk
     monkeypatch.setattr(spread, "ignore_interrupts", lambda: None)
     monkeypatch.setattr(spread, "run_chunk", lambda plan, index, folder: Outcome(index=index))
     work = spread.Work(index=3, begun=str(tmp_path / "none" / "00000003.begun"))
-    assert spread._in_worker(read_plan(small(tmp_path / "s", 4)), work).index == 3
+    assert spread._in_worker(read_plan(small(tmp_path / "s", 4)), work, os.getppid()).index == 3
 
 
 def test_without_the_extra_it_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -392,10 +392,10 @@ def test_on_a_full_disk_what_was_done_stays(tmp_path: Path, monkeypatch: pytest.
     whole = am.sweep(given, tmp_path / "whole")
     real = folders.write_text
 
-    def full(path: Path, text: str) -> None:
+    def full(path: Path, text: str, *, within: Path) -> None:
         if path.name == "00000001.json":
             raise am.RunError(f"{path}: cannot be written (No space left on device)")
-        real(path, text)
+        real(path, text, within=within)
 
     monkeypatch.setattr(folders, "write_text", full)
     with pytest.raises(am.StudyError, match=r"No space left on device\); what was done before is in .*out"):

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import base64
 import io
-import tempfile
 from pathlib import Path
 from typing import Any
 
 from amorsim.core.errors import AmorsimError, MapError
+from amorsim.core.left_behind import temporary_folder
 from amorsim.core.map import Map
 from amorsim.plugins.registry import Registry
 from amorsim.render.picture import draw_map
@@ -34,8 +34,8 @@ def write_world(world: Map | None, target: Path, *, is_trial: bool, force: bool,
         raise AmorsimError("the world cannot be read; mend its faults first")
     if target.exists() and not force:
         raise AmorsimError(f"{target.name} is there already; name another file")
-    with tempfile.TemporaryDirectory(prefix="amorsim-world-") as folder:
-        file = Path(folder) / target.name if is_trial else target
+    with temporary_folder("world") as folder:
+        file = folder / target.name if is_trial else target
         try:
             again, lost = write_map(world, file, force=True, registry=registry)
         except MapError as error:
@@ -71,8 +71,8 @@ def picture_of(world: Map | None, kind: str, title: str, registry: Registry) -> 
         data = io.BytesIO()
         draw_map(world, title=title).save(data, format="PNG")
         return base64.b64encode(data.getvalue()).decode()
-    with tempfile.TemporaryDirectory(prefix="amorsim-world-") as folder:
-        file = Path(folder) / "world.svg"
+    with temporary_folder("world") as folder:
+        file = folder / "world.svg"
         write_map(world, file, registry=registry)
         return base64.b64encode(file.read_bytes()).decode()
 

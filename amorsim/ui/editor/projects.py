@@ -6,7 +6,6 @@ import asyncio
 import base64
 import io
 import re
-import tempfile
 import zipfile
 from collections.abc import Mapping
 from importlib import resources
@@ -14,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from amorsim.core.errors import AmorsimError
+from amorsim.core.left_behind import temporary_folder
 from amorsim.core.numbers import is_number
 from amorsim.plugins.manager import default_registry
 from amorsim.ui.editor.differing import differing_lines
@@ -152,9 +152,9 @@ class Projects:
         """The scenario as it is now, with all files that it names, in base 64."""
         work = self._session.work
         data = io.BytesIO()
-        with tempfile.TemporaryDirectory(prefix="amorsim-zip-") as folder:
+        with temporary_folder("zip") as folder:
             asked = self._session.asked()
-            top = Path(folder) / work.name
+            top = folder / work.name
             top.mkdir()
             work.view(asked["folder"]).save(top / f"{work.name}.toml", copy=True)
             with zipfile.ZipFile(data, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -183,8 +183,8 @@ class Projects:
             raise AmorsimError("walls can be drawn in this world as it is")
         path = work.world.free_file()
         await asyncio.to_thread(self._bench.ask, "look", **self._session.asked())
-        with tempfile.TemporaryDirectory(prefix="amorsim-world-") as folder:
-            target = Path(folder) / path.name
+        with temporary_folder("world") as folder:
+            target = folder / path.name
             found = await asyncio.to_thread(self._bench.ask, "write_world", target=target, is_trial=False, force=False)
             text = await asyncio.to_thread(target.read_text, encoding="utf-8")
         if not is_trial:

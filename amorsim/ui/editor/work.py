@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from amorsim.core.errors import AmorsimError
+from amorsim.core.left_behind import temporary_folder
 from amorsim.core.reading import reason
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
@@ -306,8 +306,8 @@ class Work:
         before, here = self.text, self.here
         is_copied = self._is_bundled or path.parent != here
         if is_copied:
-            with tempfile.TemporaryDirectory(prefix="amorsim-save-") as folder:
-                self.view(Path(folder)).save(path, copy=True)
+            with temporary_folder("save") as folder:
+                self.view(folder).save(path, copy=True)
         else:
             for file in self._to_write:
                 self.files.write(file)

@@ -10,6 +10,7 @@ import webbrowser
 from pathlib import Path
 
 from amorsim.core.errors import AmorsimError
+from amorsim.core.left_behind import make_folder
 
 __all__ = ["OpeningPage"]
 
@@ -35,7 +36,7 @@ class OpeningPage:
         # A browser that is a snap sees another /tmp than we do, and of the home only what is not hidden.
         parent = Path("~").expanduser() if Path("/snap").is_dir() else None
         try:
-            self._folder = Path(tempfile.mkdtemp(prefix="amorsim-open-", dir=parent))  # 0700
+            self._folder = make_folder(parent or Path(tempfile.gettempdir()), "amorsim-open-")  # 0700
             self.path = self._folder / "amorsim.html"
             self.path.touch(0o600, exist_ok=False)
             self.path.write_text(_PAGE.format(address=html.escape(address)), encoding="utf-8")
