@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
 from collections.abc import Sequence
@@ -16,6 +15,7 @@ from amorsim.analysis.own_columns import own_channels
 from amorsim.contracts import Episode, Metric
 from amorsim.core.arguments import check_kind
 from amorsim.core.errors import AnalysisError
+from amorsim.core.json_files import parse_json
 from amorsim.core.map import Map
 from amorsim.scenario.spec import Robot
 from amorsim.simulation.alike import channels_of
@@ -167,6 +167,6 @@ def _events(files: RunFiles, robot: str) -> list[Event]:
 
 def _value(text: str) -> Any:
     try:
-        return json.loads(text) if text else None
+        return parse_json(text) if text else None
     except ValueError:
         return text

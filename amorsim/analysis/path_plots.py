@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,7 @@ from amorsim.analysis.figures import TRUE, draw_ellipse, legend, tidy
 from amorsim.analysis.files import RunFiles, Table
 from amorsim.analysis.traces import Trace
 from amorsim.core.errors import RunError
+from amorsim.core.json_files import parse_json
 from amorsim.core.shapes import Shape
 from amorsim.render.marks import COLOURS
 from amorsim.scenario.colours import robot_colours
@@ -120,7 +120,7 @@ def _draw_events(axis: Any, events: Table) -> None:
 def _place_in(text: str) -> tuple[float, float] | None:
     """Where a pose, as JSON, is; None if it is none."""
     try:
-        x, y, _ = json.loads(text)
+        x, y, _ = parse_json(text)
         return float(x), float(y)
     except (ValueError, TypeError):
         return None

@@ -13,6 +13,7 @@ from amorsim.analysis.files import RunFiles
 from amorsim.analysis.measuring import episode_of
 from amorsim.contracts import Metric
 from amorsim.metrics import Collisions, HeadingError, Nees, PathLength, PositionError, Turning
+from amorsim.render.picture_file import read_png
 from amorsim.render.words import rounded
 from amorsim.reports.page import Page, interval_cell
 
@@ -88,7 +89,7 @@ def _figures(files: RunFiles, robot: str) -> list[list[str]]:
 def _pictures(page: Page, files: RunFiles) -> None:
     picture = files.folder / "picture.png"
     if picture.exists():
-        page.picture(picture.read_bytes(), "map and paths")
+        page.picture(read_png(picture), "map and paths")
     try:
         from amorsim.analysis.plot import pictures_of
     except ModuleNotFoundError as error:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,9 @@ import numpy as np
 from amorsim.algorithms.intervals import mean_interval
 from amorsim.analysis.differences import metric_of_estimator, p_in_words
 from amorsim.core.errors import StudyError
+from amorsim.core.json_files import read_table
+from amorsim.core.reading import read_bytes, reason
+from amorsim.render.picture_file import read_png
 from amorsim.render.words import rounded, significant
 from amorsim.reports.page import Page, interval_cell
 from amorsim.sweeps.table import Study, counted, read_study
@@ -57,7 +59,11 @@ def study_page(folder: Path) -> Page:
     )
     page.paragraph("To repeat it, with the file of the study:")
     page.command(f"amorsim sweep {about['name']}.toml --out another-folder")
-    text = (folder / "study.toml").read_text(encoding="utf-8", errors="replace")
+    file = folder / "study.toml"
+    try:
+        text = read_bytes(file).decode(errors="replace")
+    except OSError as error:
+        raise StudyError(f"{file}: cannot be read ({reason(error)}); the study's command writes it again") from None
     page.listing("The study's file", text[:_MOST_LETTERS])
     return page
 
@@ -108,7 +114,7 @@ def comparison_page(folder: Path) -> Page:
     """
     file = folder / "comparison.json"
     try:
-        about = json.loads(file.read_text(encoding="utf-8"))
+        about = read_table(file, StudyError)
         labels = ", ".join(about["labels"])
         axis = about.get("axis", "")
         page = Page(
@@ -119,7 +125,7 @@ def comparison_page(folder: Path) -> Page:
         for each in about["differences"]:
             page.paragraph(each["claim"])
         if (folder / "comparison.png").exists():
-            page.picture((folder / "comparison.png").read_bytes(), "paired differences, with their 95 % intervals")
+            page.picture(read_png(folder / "comparison.png"), "paired differences, with their 95 % intervals")
         page.heading("Systems")
         page.table(
             ["metric", axis or "system", "mean [95 % interval]", "median", "values", "without"],
@@ -130,7 +136,7 @@ def comparison_page(folder: Path) -> Page:
             ["metric", "difference", "mean [95 % interval]", "unpaired", "p (Holm)", "d", "gain of pairing", "pairs"],
             [_difference_cells(each) for each in about["differences"]],
         )
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise StudyError(f"{file}: cannot be read ({type(error).__name__}: {error})") from None
     page.paragraph(
         "Differences are of pairs that met the same noise. Intervals and p are those of the mean difference: Student's "
@@ -140,7 +146,7 @@ def comparison_page(folder: Path) -> Page:
     )
     try:
         _origin(page, about.get("origin", {}))
-    except (KeyError, TypeError, AttributeError) as error:
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise StudyError(f"{file}: cannot be read ({type(error).__name__}: {error})") from None
     return page
 

@@ -2,53 +2,41 @@
 
 from __future__ import annotations
 
-import json
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 from typing import Any
 
 from amorsim.core.errors import RunError
-from amorsim.core.numbers import is_number
+from amorsim.core.json_files import Check, check_keys, is_figure, is_real, is_text, is_whole, read_table, table_of
 from amorsim.core.parameters import ParameterError, check_value, describe
 from amorsim.runs.folder import ABOUT, FORMAT
 from amorsim.runs.tables import check_file
-from amorsim.scenario.faults import shown
 from amorsim.scenario.read import load
 from amorsim.scenario.spec import Scenario
 from amorsim.simulation.simulation import MAX_REPLICA, MOST_STEPS
 
 __all__ = ["read_about", "scenario_of"]
 
-_FAR = 1e300  # larger numbers are taken for mistakes
-
+_LONGEST = 10.0 * MOST_STEPS  # [s]: of the longest step
 LARGEST = 1 << 28  # [bytes]: room for the digests of three million replicas
 
-Check = Callable[[Any], bool]
+
+def _is_count(value: Any) -> bool:
+    return is_whole(value, MOST_STEPS)
 
 
-def _is_text(value: Any) -> bool:
-    return isinstance(value, str)
+def _is_of(field: str) -> Check:
+    """A check for values that a field of scenarios takes."""
 
+    def check(value: Any) -> bool:
+        try:
+            check_value(describe(Scenario)[field], value)
+        except ParameterError:
+            return False
+        return True
 
-def _is_whole(value: Any) -> bool:
-    return type(value) is int and 0 <= value <= MOST_STEPS
-
-
-def _is_real(value: Any) -> bool:
-    return type(value) in (int, float)
-
-
-def _table_of(check: Check) -> Check:
-    return lambda value: isinstance(value, dict) and all(map(check, value.values()))
-
-
-def _is_seed(value: Any) -> bool:
-    try:
-        check_value(describe(Scenario)["seed"], value)
-    except ParameterError:
-        return False
-    return True
+    return check
 
 
 def _are_replicas(value: Any) -> bool:
@@ -62,37 +50,37 @@ def _are_replicas(value: Any) -> bool:
 
 def _are_inputs(value: Any) -> bool:
     """Whether these are fingerprints of files in the folder, and of none elsewhere."""
-    if not _table_of(_is_text)(value):
+    if not table_of(is_text)(value):
         return False
     paths = [PurePosixPath(name) for name in value]
     return not any(path.is_absolute() or ".." in path.parts or "\0" in str(path) for path in paths)
 
 
 _NEEDED: dict[str, tuple[Check, str]] = {
-    "status": (_is_text, "a text"),
-    "seed": (_is_seed, "a whole number"),
+    "status": (is_text, "a text"),
+    "seed": (_is_of("seed"), "a whole number"),
     "replicas": (_are_replicas, "a list of different whole numbers >= 0"),
-    "dt": (lambda value: is_number(value, below=_FAR) and value > 0, "a number [s] > 0"),
-    "steps": (_is_whole, f"a whole number >= 0 and <= {MOST_STEPS}"),
+    "dt": (_is_of("dt"), "a number [s] >= 1e-06 and <= 10"),
+    "steps": (_is_count, f"a whole number >= 0 and <= {MOST_STEPS}"),
 }
 _OTHERS: dict[str, tuple[Check, str]] = {
     "format": (lambda value: type(value) is int and value == FORMAT, f"{FORMAT}, the format that this amorsim reads,"),
-    "duration": (lambda value: is_number(value, below=_FAR), "a number [s]"),
+    "duration": (lambda value: is_real(value) and abs(value) <= _LONGEST, f"a number [s], at most {_LONGEST:g}"),
     "inputs": (_are_inputs, "a table of fingerprints, by the names of files in the folder"),
-    "changes_before": (_is_whole, f"a whole number >= 0 and <= {MOST_STEPS}"),
-    "amorsim": (_is_text, "a text"),
-    "python": (_is_text, "a text"),
-    "processor": (_is_text, "a text"),
-    "system": (_is_text, "a text"),
-    "packages": (_table_of(_is_text), "a table of texts"),
-    "plugins": (_table_of(lambda value: value is None or _is_text(value)), "a table of texts"),
-    "steps_done": (_is_whole, f"a whole number >= 0 and <= {MOST_STEPS}"),
-    "worlds": (_table_of(_is_text), "a table of texts, by replica"),
-    "digests": (_table_of(_is_text), "a table of texts, by replica"),
-    "distance": (_table_of(_is_real), "a table of numbers [m], by robot"),
-    "final_error": (_table_of(_is_real), "a table of numbers [m], by robot"),
-    "collisions": (_table_of(_is_whole), "a table of whole numbers, by robot"),
-    "seconds": (lambda value: is_number(value, below=_FAR), "a number [s]"),
+    "changes_before": (_is_count, f"a whole number >= 0 and <= {MOST_STEPS}"),
+    "amorsim": (is_text, "a text"),
+    "python": (is_text, "a text"),
+    "processor": (is_text, "a text"),
+    "system": (is_text, "a text"),
+    "packages": (table_of(is_text), "a table of texts"),
+    "plugins": (table_of(lambda value: value is None or is_text(value)), "a table of texts"),
+    "steps_done": (_is_count, f"a whole number >= 0 and <= {MOST_STEPS}"),
+    "worlds": (table_of(is_text), "a table of texts, by replica"),
+    "digests": (table_of(is_text), "a table of texts, by replica"),
+    "distance": (table_of(is_figure), "a table of numbers [m], by robot"),
+    "final_error": (table_of(is_figure), "a table of numbers [m], by robot"),
+    "collisions": (table_of(_is_count), "a table of whole numbers, by robot"),
+    "seconds": (is_real, "a number [s]"),
 }
 
 
@@ -108,26 +96,19 @@ def read_about(folder: str | os.PathLike[str]) -> dict[str, Any]:
         If it is not the folder of a run, or the file is damaged; the message names the key.
     """
     path = Path(folder) / ABOUT
-    if not os.path.lexists(path):
-        raise RunError(f"{folder}: expected the folder of a run, with a {ABOUT} in it")
-    check_file(path, LARGEST)
     try:
-        about = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise RunError(f"{path}: cannot be read ({error})") from None
-    except RecursionError:
-        raise RunError(f"{path}: is damaged: its tables and lists are nested too deeply") from None
-    if not isinstance(about, dict):
-        raise RunError(f"{path}: is damaged: expected a table, got {shown(about)}")
+        about = read_table(path, RunError, LARGEST)
+    except FileNotFoundError:
+        if path.is_symlink():
+            raise RunError(f"{path}: cannot be read (it is a link that leads nowhere)") from None
+        raise RunError(f"{folder}: expected the folder of a run, with a {ABOUT} in it") from None
     form = about.get("format", FORMAT)
-    if _is_whole(form) and form != FORMAT:
+    if is_whole(form) and form != FORMAT:
+        version = about["amorsim"] if is_text(about.get("amorsim")) else "not known"
         raise RunError(
-            f"{path}: is in format {form}, of another version of amorsim ({about.get('amorsim', 'not known')}); this "
-            f"one reads format {FORMAT}"
+            f"{path}: is in format {form}, of another version of amorsim ({version}); this one reads format {FORMAT}"
         )
-    for key, (check, what) in (_NEEDED | _OTHERS).items():
-        if (key in about or key in _NEEDED) and not check(about.get(key)):
-            raise RunError(f"{path}: is damaged: expected {what} under {key!r}, got {shown(about.get(key))}")
+    check_keys(path, about, _NEEDED, _OTHERS, RunError)
     return about
 
 

@@ -6,8 +6,6 @@ import csv
 import filecmp
 import itertools
 import math
-import zipfile
-import zlib
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, TextIO
@@ -17,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.errors import RunError
+from amorsim.runs.array_files import read_arrays, sizes_of
 from amorsim.runs.tables import LONGEST_LINE, check_file
 
 __all__ = ["TOLERANCE", "Difference", "first_difference"]
@@ -110,19 +109,12 @@ def _array_difference(old: Path, new: Path, name: str, dt: float) -> Difference 
     try:
         if filecmp.cmp(old, new, shallow=False):
             return None
-        made, kept = _contents(new), _contents(old)
+        made, kept = sizes_of(new), sizes_of(old)
         if made != kept:  # and a file that unfolds to more than there can be is not read
             return of("the file", f"of {_short(', '.join(kept))}", f"of {_short(', '.join(made))}")
-        with np.load(old) as was, np.load(new) as now:
-            return _first_number(dict(was), dict(now), of)
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+        return _first_number(read_arrays(old), read_arrays(new), of)
+    except (OSError, RunError) as error:
         return of("the file", f"damaged ({error})", "not")
-
-
-def _contents(path: Path) -> dict[str, int]:
-    """The arrays of a file by name, with their sizes [bytes]."""
-    with zipfile.ZipFile(path) as file:
-        return {part.filename.removesuffix(".npy"): part.file_size for part in file.infolist()}
 
 
 def _first_number(

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 from typing import Any
 
 from amorsim.core.errors import AmorsimError, RunError
+from amorsim.core.json_files import parse_json
 from amorsim.runs.tables import Line, read_lines
 from amorsim.scenario.chains import is_chain
 from amorsim.scenario.faults import shown
@@ -118,9 +118,7 @@ class Replay:
 def _value(line: Line) -> Any:
     """What a change set, as `Simulation.set` takes it."""
     try:
-        return revived(json.loads(line.text("value")))
-    except RecursionError:
-        raise line.damaged("value", "expected a value, got tables or lists nested too deeply") from None
+        return revived(parse_json(line.text("value")))
     except (ValueError, AmorsimError) as error:
         raise line.damaged("value", f"expected a value as JSON ({error})") from None
 

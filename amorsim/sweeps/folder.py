@@ -10,8 +10,20 @@ from pathlib import Path
 from typing import Any
 
 from amorsim.core.errors import AmorsimError, RunError, StudyError
+from amorsim.core.json_files import (
+    Key,
+    check_keys,
+    is_figure,
+    is_real,
+    is_text,
+    is_whole,
+    list_of,
+    read_table,
+    table_of,
+)
 from amorsim.core.left_behind import temporary_folder
 from amorsim.core.reading import is_file
+from amorsim.core.trouble import in_words
 from amorsim.core.whole_files import create_text, write_text
 from amorsim.runs.about import read_about
 from amorsim.runs.folder import check_free, circumstances, fingerprints
@@ -178,24 +190,29 @@ class StudyFolder:
                 yield self._read(index)
 
     def _read(self, index: int) -> Outcome:
-        file = self._file(index)
+        file, count = self._file(index), self._plan.replicas
+        metrics = {each.name for each in self._plan.metrics}
+        values: Key = (
+            lambda found: table_of(list_of(is_figure, count))(found) and set(found) == metrics,
+            f"a table of {count} numbers for each of the metrics {', '.join(sorted(metrics))}",
+        )
+        keys: dict[str, Key] = {"index": (lambda found: type(found) is int and found == index, f"{index}")}
+        result: dict[str, Key] = {"values": values, "digests": (list_of(is_text, count), f"a list of {count} texts")}
         try:
-            content = json.loads(file.read_text(encoding="utf-8"))
-            outcome = Outcome(
-                index=content["index"],
-                seed=content.get("seed", -1),
-                values=content.get("values", {}),
-                digests=content.get("digests", []),
-                error=content.get("error", ""),
-            )
-            parts: list[list[Any]] = [*outcome.values.values(), outcome.digests]
-            counts = set(map(len, parts))
-            is_whole = counts == {self._plan.replicas} and set(outcome.values) == {m.name for m in self._plan.metrics}
-            if outcome.index != index or not (outcome.error or is_whole):
-                raise ValueError("it is not of this study")
-        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-            raise StudyError(f"{file}: is damaged ({error}); remove it, and give the same command again") from None
-        return outcome
+            content = read_table(file, StudyError)
+            if content.get("error"):
+                content = {key: content[key] for key in ("index", "seed", "error") if key in content}
+            keys |= {"error": (is_text, "a text")} if content.get("error") else result
+            check_keys(file, content, keys, {"seed": (_is_seed, "a whole number >= -1")}, StudyError)
+        except (FileNotFoundError, StudyError) as error:
+            raise StudyError(f"{error}; remove it, and give the same command again") from None
+        return Outcome(
+            index=index,
+            seed=content.get("seed", -1),
+            values={name: list(map(float, each)) for name, each in content.get("values", {}).items()},
+            digests=content.get("digests", []),
+            error=content.get("error", ""),
+        )
 
 
 def read_study_about(folder: Path) -> dict[str, Any]:
@@ -208,21 +225,54 @@ def read_study_about(folder: Path) -> dict[str, Any]:
     """
     path = folder / ABOUT
     try:
-        about = json.loads(path.read_text(encoding="utf-8"))
+        about = read_table(path, StudyError)
     except FileNotFoundError:
         raise StudyError(f"{folder}: expected the folder of a study, with a {ABOUT} in it") from None
-    except (OSError, ValueError, RecursionError) as error:
-        raise StudyError(f"{path}: cannot be read ({error})") from None
-    if not isinstance(about, dict) or about.get("format") != FORMAT:
-        found = about.get("format") if isinstance(about, dict) else None
+    if about.get("format") != FORMAT:
+        version = about["amorsim"] if is_text(about.get("amorsim")) else "unknown"
         raise StudyError(
-            f"{path}: expected a study of format {FORMAT}, which this amorsim reads, got {found!r}; take the amorsim "
-            f"that wrote it ({about.get('amorsim', 'unknown') if isinstance(about, dict) else 'unknown'})"
+            f"{path}: expected a study of format {FORMAT}, which this amorsim reads, got "
+            f"{in_words(about.get('format'))}; take the amorsim that wrote it ({version})"
         )
-    for key, kind in (("axes", dict), ("metrics", dict), ("replicas", int), ("status", str), ("chunks", int)):
-        if not isinstance(about.get(key), kind):
-            raise StudyError(f"{path}: is damaged: expected {kind.__name__} under {key!r}, got {about.get(key)!r}")
+    check_keys(path, about, _KEYS, {}, StudyError)
     return about
+
+
+def _is_seed(value: Any) -> bool:
+    return type(value) is int and -1 <= value < 2**63
+
+
+def _is_metric(value: Any) -> bool:
+    return table_of(is_text)(value) and {"unit", "better"} <= set(value)
+
+
+def _is_axis(value: Any) -> bool:
+    return list_of(lambda label: is_text(label) or is_figure(label) or isinstance(label, bool))(value) and bool(value)
+
+
+_COUNT: Key = (is_whole, "a whole number >= 0")
+_TEXT: Key = (is_text, "a text")
+_TEXTS: Key = (table_of(is_text), "a table of texts")
+_KEYS: dict[str, Key] = {
+    "status": _TEXT,
+    "points": _COUNT,
+    "chunks": _COUNT,
+    "replicas": (lambda value: is_whole(value) and value > 0, "a whole number > 0"),
+    "axes": (table_of(_is_axis), "a table of lists of numbers, flags or texts"),
+    "metrics": (table_of(_is_metric), "a table of metrics, each with unit and better"),
+    "name": _TEXT,
+    "scenario": _TEXT,
+    "inputs": _TEXTS,
+    "seeds": (list_of(is_whole), "a list of whole numbers >= 0"),
+    "duration": (is_real, "a number [s]"),
+    "stop": _TEXT,
+    "amorsim": _TEXT,
+    "python": _TEXT,
+    "processor": _TEXT,
+    "system": _TEXT,
+    "packages": _TEXTS,
+    "plugins": (table_of(lambda value: value is None or is_text(value)), "a table of texts"),
+}
 
 
 def inputs_of(plan: Plan, scenario: Scenario) -> dict[str, str]:

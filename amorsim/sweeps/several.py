@@ -12,6 +12,7 @@ from typing import Any
 import attrs
 
 from amorsim.core.errors import AmorsimError, StudyError
+from amorsim.core.json_files import read_table
 from amorsim.core.reading import is_file
 from amorsim.core.whole_files import write_text
 from amorsim.runs.folder import RUNS, check_free, new_folder
@@ -169,10 +170,9 @@ class Several:
 def _read(folder: Path) -> dict[str, Any]:
     """What was begun in a folder; nothing if that cannot be read."""
     try:
-        about = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
+        return read_table(folder / ABOUT, StudyError)
+    except (FileNotFoundError, StudyError):
         return {}
-    return about if isinstance(about, dict) else {}
 
 
 def _check_same(folder: Path, about: dict[str, Any]) -> None:

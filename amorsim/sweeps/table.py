@@ -14,6 +14,8 @@ import numpy.typing as npt
 
 from amorsim.core.arguments import path_of
 from amorsim.core.errors import StudyError
+from amorsim.core.memory import too_large
+from amorsim.core.reading import check_readable, is_file
 from amorsim.core.whole_files import replacing
 from amorsim.sweeps.chunk import Outcome
 from amorsim.sweeps.folder import read_study_about
@@ -22,6 +24,8 @@ from amorsim.sweeps.plan import Plan
 __all__ = ["Study", "counted", "read_study", "write_tables"]
 
 PARQUET, CSV = "table.parquet", "table.csv"
+_MOST_BYTES = 1 << 32  # of a table
+_BYTES_A_ROW = 100  # of memory, at least
 _ROWS = 50_000  # of a part that is written at once
 _WHOLE = ("point", "seed", "replica")
 _TEXT = ("digest", "error")
@@ -105,16 +109,21 @@ def read_study(folder: str | os.PathLike[str]) -> Study:
     """
     folder = path_of(folder, "folder", "the folder of a study")
     about = read_study_about(folder)
-    path = next((folder / name for name in (PARQUET, CSV) if (folder / name).exists()), None)
+    path = next((folder / name for name in (PARQUET, CSV) if is_file(folder / name)), None)
     if path is None:
         raise StudyError(
             f"{folder}: this study has no table yet; it is being computed, or was killed: give its command again"
         )
     kinds = _kinds(about["axes"], about["metrics"])
-    columns = _read_parquet(path) if path.name == PARQUET else _read_csv(path, kinds)
+    most = about["chunks"] * about["replicas"]
+    columns = _read_parquet(path, most) if path.name == PARQUET else _read_csv(path, kinds, most)
     if set(columns) != set(kinds):
         raise StudyError(f"{path}: is damaged: expected the columns {', '.join(kinds)}, got {', '.join(columns)}")
-    return Study(folder, about, {name: _as_array(columns[name], kind) for name, kind in kinds.items()})
+    try:
+        arrays = {name: _as_array(columns[name], kind) for name, kind in kinds.items()}
+    except (TypeError, ValueError, OverflowError) as error:
+        raise StudyError(f"{path}: is damaged ({error})") from None
+    return Study(folder, about, arrays)
 
 
 def counted(mean: str, values: npt.NDArray[np.float64]) -> str:
@@ -125,6 +134,8 @@ def counted(mean: str, values: npt.NDArray[np.float64]) -> str:
 
 def _as_array(values: Sequence[Any], kind: str) -> npt.NDArray[Any]:
     if kind == "text":
+        if not all(isinstance(value, str) for value in values):
+            raise ValueError("expected texts")
         found = np.empty(len(values), dtype=object)
         found[:] = list(values)
         return found
@@ -237,26 +248,37 @@ def _write_parquet(path: Path, kinds: dict[str, str], parts: Iterable[dict[str, 
             writer.write_table(pyarrow.table(part, schema=schema))
 
 
-def _read_parquet(path: Path) -> dict[str, Any]:
+def _read_parquet(path: Path, most: int) -> dict[str, Any]:
     try:
         from pyarrow import lib, parquet
     except ModuleNotFoundError:
         raise StudyError(f'{path}: needs pyarrow: python -m pip install "amorsim[sweep]"') from None
     try:
-        table = parquet.read_table(path)
-    except (OSError, lib.ArrowException) as error:
+        check_readable(path, _MOST_BYTES)
+        with parquet.ParquetFile(path) as file:
+            _check_rows(path, file.metadata.num_rows, most)
+            table = file.read()
+        return {name: table.column(name).to_pylist() for name in table.column_names}
+    except (OSError, ValueError, OverflowError, KeyError, lib.ArrowException) as error:
         raise StudyError(f"{path}: cannot be read ({error})") from None
-    return {name: table.column(name).to_pylist() for name in table.column_names}
 
 
-def _read_csv(path: Path, kinds: dict[str, str]) -> dict[str, Any]:
+def _check_rows(path: Path, rows: int, most: int) -> None:
+    if rows > most or too_large(rows, _BYTES_A_ROW):
+        raise StudyError(f"{path}: is damaged: it has {rows} rows; expected at most {most}, as many as the study has")
+
+
+def _read_csv(path: Path, kinds: dict[str, str], most: int) -> dict[str, Any]:
     try:
+        check_readable(path, _MOST_BYTES)
         with path.open(encoding="utf-8", newline="") as file:
             header, *rows = csv.reader(file)
+        columns = list(zip(*rows, strict=True)) if rows else [()] * len(header)
     except (OSError, ValueError, csv.Error) as error:
         raise StudyError(f"{path}: cannot be read ({error})") from None
+    _check_rows(path, len(rows), most)
     found: dict[str, Any] = {}
-    for name, cells in zip(header, zip(*rows, strict=True) if rows else ((),) * len(header), strict=True):
+    for name, cells in zip(header, columns, strict=False):
         kind = kinds.get(name, "text")
         try:
             found[name] = [_value(cell, kind) for cell in cells]

@@ -426,7 +426,7 @@ def test_a_damaged_chunk_is_named(tmp_path: Path) -> None:
     given = tables(tmp_path / "s")
     am.sweep(given, tmp_path / "out")
     (tmp_path / "out" / "chunks" / "00000" / "00000001.json").write_text('{"index": 1, "values": {}, "digests": []}')
-    with pytest.raises(am.StudyError, match=r"00000001.json: is damaged .* remove it"):
+    with pytest.raises(am.StudyError, match=r"00000001.json: is damaged: expected .* remove it"):
         am.sweep(given, tmp_path / "out")
 
 

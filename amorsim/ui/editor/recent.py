@@ -6,6 +6,8 @@ import contextlib
 import json
 from pathlib import Path
 
+from amorsim.core.json_files import parse_json
+from amorsim.core.reading import read_bytes
 from amorsim.core.whole_files import write_text
 
 __all__ = ["recent_files", "remember"]
@@ -17,7 +19,7 @@ _FILE = "recent.json"
 def recent_files(state: Path) -> list[str]:
     """Paths of the files, the newest first, without those that no longer exist."""
     try:
-        found = json.loads((state / _FILE).read_text(encoding="utf-8"))
+        found = parse_json(read_bytes(state / _FILE))
     except (OSError, ValueError):
         return []
     names = [name for name in found if isinstance(name, str)] if isinstance(found, list) else []

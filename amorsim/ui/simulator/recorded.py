@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import functools
 import math
-import zipfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ import numpy.typing as npt
 
 from amorsim.analysis.files import belief_arrays
 from amorsim.core.errors import RunError
+from amorsim.runs.array_files import read_arrays
 from amorsim.runs.moments import Cells, TimedLines
 
 __all__ = ["Beliefs", "RecordedFiles"]
@@ -238,10 +238,9 @@ class RecordedFiles:
         if path not in self._arrays:
             arrays: dict[str, npt.NDArray[Any]] = {}
             try:
-                with np.load(path, allow_pickle=False) as whole:
-                    arrays = {name: whole[name] for name in whole.files}
-            except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile) as error:
-                self._noted(f"{path}: cannot be read ({error})")
+                arrays = read_arrays(path)
+            except RunError as error:
+                self._noted(str(error))
             for other in [one for one in self._arrays if one.parent == path.parent]:
                 del self._arrays[other]
             self._arrays[path] = arrays

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -13,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.errors import RunError
+from amorsim.core.json_files import parse_json
 from amorsim.core.rows import stack
 from amorsim.core.unknown_names import no_such
 from amorsim.runs.about import read_about
@@ -369,7 +369,7 @@ def _event(line: Line, replica: int) -> Event:
     cells = line.cells
     value: object = cells.get("value", "")
     with contextlib.suppress(ValueError):
-        value = json.loads(str(value)) if value else None
+        value = parse_json(str(value)) if value else None
     has_point = bool(cells.get("x") and cells.get("y"))
     if cells.get("kind") == "collision" and not (has_point and cells.get("speed")):
         raise line.damaged("x", "expected the point and the speed of a collision")
