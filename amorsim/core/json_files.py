@@ -69,7 +69,7 @@ def read_table(path: str | os.PathLike[str], error: type[AmorsimError], largest:
         found = parse_json(read_bytes(path, largest))
     except FileNotFoundError:
         raise
-    except OSError as problem:
+    except (OSError, json.JSONDecodeError, UnicodeDecodeError) as problem:
         raise error(f"{path}: cannot be read ({reason(problem)})") from None
     except ValueError as problem:
         raise error(f"{path}: is damaged: {problem}") from None
