@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from amorsim.analysis.files import RunFiles
-from amorsim.analysis.message_values import VALUES, beams_of, nanoseconds_of, quaternion
+from amorsim.analysis.message_shapes import VALUES
+from amorsim.analysis.message_values import beams_of, nanoseconds_of, quaternion
 from amorsim.analysis.own_columns import own_commands, own_readings
 from amorsim.core.errors import AnalysisError
 from amorsim.core.whole_files import replacing

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.analysis.message_shapes import VALUES
 from amorsim.analysis.trajectory import yaw
 from amorsim.contracts import Sensor
 from amorsim.core.errors import AnalysisError
@@ -18,13 +19,10 @@ from amorsim.scenario.spec import Robot
 from amorsim.sensors import Compass, Encoder, Gps, Gyro, Imu
 from amorsim.simulation.alike import channels_of
 
-__all__ = ["VALUES", "beams_of", "command_of", "holds_pose", "nanoseconds_of", "pose_of", "quaternion", "reading_of"]
+__all__ = ["beams_of", "command_of", "holds_pose", "nanoseconds_of", "pose_of", "quaternion", "reading_of"]
 
 Array = npt.NDArray[np.float64]
 Pose = tuple[float, float, float]
-
-VALUES = "amorsim.Values"
-"""The schema of plain numbers in an MCAP file of ours."""
 
 _EVEN = 1e-9  # [rad] to which angles at equal steps are equal
 _ARRAYS = ("std_msgs/Float64MultiArray", "std_msgs/Float32MultiArray")

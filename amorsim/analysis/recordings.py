@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
@@ -13,11 +12,14 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.analysis.message_shapes import check_message
 from amorsim.analysis.message_values import command_of, holds_pose, pose_of, reading_of
 from amorsim.analysis.run_log import LogEntry, entries_of_run
 from amorsim.analysis.trajectory import Trajectory
 from amorsim.core.arguments import check_kind, path_of
 from amorsim.core.errors import AmorsimError, AnalysisError, did_you_mean
+from amorsim.core.json_files import parse_json
+from amorsim.core.reading import is_file
 from amorsim.core.unknown_names import no_such
 from amorsim.runs.folder import ABOUT
 from amorsim.scenario.spec import Robot
@@ -113,7 +115,7 @@ def read_log(
     """
     path = path_of(path, "path", RECORDING)
     check_kind(robot, Robot, "robot", "a Robot, as am.load('demo').robots[0]")
-    if (path / ABOUT).is_file():
+    if is_file(path / ABOUT):
         if topics is not None or command is not None:
             raise AnalysisError(f"{path}: the folder of a run has no topics; leave out topics and command")
         return entries_of_run(path, robot, replica)
@@ -139,11 +141,11 @@ def read_log(
             )
         return found
 
-    return _entries(_opened(path)(path, wanted), robot, own, orders)
+    return _entries(path, _opened(path)(path, wanted), robot, own, orders)
 
 
 def _entries(
-    messages: Iterator[_Received], robot: Robot, sensors: Mapping[str, str], orders: str
+    path: Path, messages: Iterator[_Received], robot: Robot, sensors: Mapping[str, str], orders: str
 ) -> Iterator[LogEntry]:
     """The messages of each time together."""
     time: int | None = None
@@ -152,6 +154,7 @@ def _entries(
     held: Array | None = None
     given: Array | None = None
     for each in messages:
+        check_message(each.kind, each.content, f"{path}, {each.topic}")
         if time is not None and each.time != time:
             yield LogEntry(time / 1e9, readings, held, ages)
             readings, ages, held = {}, {}, given
@@ -179,6 +182,7 @@ def _trajectory(
         return [chosen]
 
     for each in messages(path, wanted):
+        check_message(each.kind, each.content, f"{path}, {each.topic}")
         found = pose_of(each.kind, each.content, frame)
         if found is not None:
             stamped, pose = found
@@ -291,5 +295,5 @@ def _mcap(path: Path, wanted: Wanted) -> Iterator[_Received]:
             raise AnalysisError(f"{path}: its messages are not JSON; read it with read_bag if it is of ROS 2")
         for _, channel, message in reader.iter_messages(topics=list(wanted(there))):
             if channel.message_encoding == "json":
-                content = json.loads(message.data, object_hook=lambda table: SimpleNamespace(**table))
+                content = parse_json(message.data, lambda table: SimpleNamespace(**table))
                 yield _Received(message.log_time, channel.topic, there[channel.topic], content)

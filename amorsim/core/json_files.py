@@ -35,8 +35,10 @@ LARGEST = 1e300  # larger numbers are mistakes
 _WHOLE = 2**64  # whole numbers are below it in size
 
 
-def parse_json(text: str | bytes) -> Any:
+def parse_json(text: str | bytes, table: Callable[[dict[str, Any]], Any] | None = None) -> Any:
     """What a text of JSON holds; nan and the infinities are read, as Python writes them.
+
+    `table` makes something else of each table.
 
     Whole numbers of more than 64 bits are read as floats, so that no arithmetic with what a file says overflows.
 
@@ -46,7 +48,7 @@ def parse_json(text: str | bytes) -> Any:
         If it is none, or is nested too deeply.
     """
     try:
-        return json.loads(text, parse_int=_whole)
+        return json.loads(text, parse_int=_whole, object_hook=table)
     except RecursionError:
         raise ValueError("its tables and lists are nested too deeply") from None
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from pathlib import Path
 from typing import Any
@@ -265,3 +266,78 @@ def test_late_and_lost_readings_are_so_in_a_recording(kind: str, tmp_path: Path)
             else:
                 assert np.array_equal(found.readings[name], was.readings[name])
     assert infinite == {"compass", "gps", "sonar"}
+
+
+STAMP = {"sec": 1, "nsec": 0}
+TURNED = {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}
+
+
+def written(path: Path, kind: str, topic: str, *messages: bytes) -> Path:
+    """An MCAP file of these messages, whatever they hold."""
+    from mcap.writer import Writer
+
+    with path.open("wb") as stream:
+        writer = Writer(stream)
+        writer.start(profile="", library="test")
+        schema = writer.register_schema(name=kind, encoding="jsonschema", data=b"{}")
+        channel = writer.register_channel(topic=topic, message_encoding="json", schema_id=schema)
+        for time, data in enumerate(messages):
+            writer.add_message(channel, log_time=time * 10**8, data=data, publish_time=time * 10**8)
+        writer.finish()
+    return path
+
+
+@pytest.mark.parametrize(
+    ("content", "problem"),
+    [
+        (b"[]", "it has no values"),
+        (b"3", "it has no values"),
+        (b"{}", "it has no values"),
+        (b'{"values": 3}', "expected a list of numbers, .* under values, got 3"),
+        (b'{"values": ["x"]}', "expected a list of numbers, .* under values"),
+        (b'{"values": [[1.0]]}', "expected a list of numbers, .* under values"),
+        (b'{"values": [true]}', "expected a list of numbers, .* under values"),
+        (b'{"values": [], "timestamp": 5}', r"it has no timestamp\.sec"),
+        (b'{"values": [], "timestamp": {"sec": "x", "nsec": 0}}', r"expected a whole number under timestamp\.sec"),
+        (b'{"values": [], "timestamp": {"sec": 1e300, "nsec": 0}}', r"expected a whole number under timestamp\.sec"),
+        (
+            b'{"values": [], "timestamp": {"sec": 1' + b"0" * 400 + b"}}",
+            r"expected a whole number under timestamp\.sec",
+        ),
+        (b"{", "cannot be read as a recording"),
+        (b"[" * 100_000, "nested too deeply"),
+        (b"\xff", "cannot be read as a recording"),
+    ],
+)
+def test_a_message_of_another_shape_is_named(tmp_path: Path, content: bytes, problem: str) -> None:
+    pytest.importorskip("mcap")
+    robot = am.load("demo").robots[0]
+    path = written(tmp_path / "odd.mcap", "amorsim.Values", "/rover/gyro", content)
+    with pytest.raises(am.AnalysisError, match=problem) as raised:
+        list(read_log(path, robot, topics={"encoder": "/rover/gyro"}))
+    assert "odd.mcap" in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("pose", "problem"),
+    [
+        ({}, r"it has no pose\.position"),
+        ({"position": {"x": 0.0}, "orientation": TURNED}, r"it has no pose\.position\.y"),
+        ({"position": {"x": 0.0, "y": None}, "orientation": TURNED}, r"expected a number under pose\.position\.y"),
+        ({"position": {"x": 0.0, "y": 0.0}, "orientation": "x"}, r"it has no pose\.orientation\.x"),
+    ],
+)
+def test_a_pose_of_another_shape_is_named(tmp_path: Path, pose: Any, problem: str) -> None:
+    pytest.importorskip("mcap")
+    content = json.dumps({"timestamp": STAMP, "pose": pose}).encode()
+    path = written(tmp_path / "odd.mcap", "foxglove.PoseInFrame", "/pose", content)
+    with pytest.raises(am.AnalysisError, match=problem):
+        read_mcap(path)
+
+
+def test_numbers_of_400_digits_are_infinite_and_not_an_error(tmp_path: Path) -> None:
+    pytest.importorskip("mcap")
+    content = b'{"values": [1' + b"0" * 400 + b', null, "Infinity", 2]}'
+    path = written(tmp_path / "odd.mcap", "amorsim.Values", "/a", content)
+    (entry,) = read_log(path, am.load("demo").robots[0], topics={"encoder": "/a"})
+    assert np.array_equal(entry.readings["encoder"], [np.inf, np.nan, np.inf, 2.0], equal_nan=True)
