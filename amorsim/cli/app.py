@@ -45,6 +45,7 @@ from amorsim.core.trouble import explain as in_words
 __all__ = ["app", "main"]
 
 _OF_OUTPUT = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
+_OF_NAMES = (errno.ENAMETOOLONG, errno.ELOOP)  # of what the user typed, wherever it was first used
 INTERRUPTED = 130  # the exit status after Ctrl-C, as shells have it
 
 
@@ -139,6 +140,9 @@ def main() -> None:
             _print_no_more()
             sys.exit(1)
         except OSError as error:
+            if error.filename is not None and error.errno in _OF_NAMES:
+                complain(f"{error.filename}: cannot be used ({error.strerror})")
+                sys.exit(2)
             if error.filename is not None or error.errno not in _OF_OUTPUT:
                 raise
             _print_no_more()

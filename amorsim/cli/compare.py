@@ -10,6 +10,7 @@ import typer
 
 from amorsim.cli.console import compile_once, complain, say
 from amorsim.cli.progress import study_progress
+from amorsim.core.reading import is_file
 from amorsim.render.words import rounded, significant, with_interval
 
 if TYPE_CHECKING:
@@ -66,7 +67,7 @@ def command(
     from amorsim.analysis.comparison import compare
     from amorsim.runs.folder import check_free, new_folder
 
-    are_studies = [(Path(name) / "study.json").exists() for name in systems]
+    are_studies = [is_file(Path(name) / "study.json") for name in systems]
     if not any(are_studies) and axis is None:
         several = _several(systems, metric or ["position_error"], estimator or [], robot, replicas, seeds, duration)
         studies = _simulated(several, jobs, out)

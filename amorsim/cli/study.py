@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from amorsim.cli.console import compile_once, complain
 from amorsim.core.errors import RunError
+from amorsim.core.reading import is_folder
 
 if TYPE_CHECKING:
     from amorsim.scenario.spec import Scenario
@@ -42,9 +43,9 @@ def check_out(out: Path | None) -> None:
     check_free(out)
     place = Path.cwd() / RUNS if out is None else out
     nearest = next(folder for folder in (place, *place.parents) if os.path.lexists(folder))
-    if out is None and nearest == place and not place.is_dir():
+    if out is None and nearest == place and not is_folder(place):
         raise RunError(f"{place}: is in the way of the folder for runs; name one with --out")
-    if not nearest.is_dir():
+    if not is_folder(nearest):
         raise RunError(f"{place}: cannot make this folder ({nearest} is no folder)")
     if not os.access(nearest, os.W_OK | os.X_OK):
         raise RunError(f"{place}: cannot make this folder or write into it (no permission to write in {nearest})")

@@ -9,7 +9,17 @@ from pathlib import Path
 
 from amorsim.core.errors import did_you_mean
 
-__all__ = ["MOST_BYTES", "check_readable", "is_file", "is_folder", "no_such_file", "read_bytes", "read_text", "reason"]
+__all__ = [
+    "MOST_BYTES",
+    "check_readable",
+    "is_file",
+    "is_folder",
+    "is_there",
+    "no_such_file",
+    "read_bytes",
+    "read_text",
+    "reason",
+]
 
 MOST_BYTES = 100_000_000
 """A text longer than this [bytes] is not a map, track, scenario or program."""
@@ -49,6 +59,14 @@ def is_folder(path: str | os.PathLike[str]) -> bool:
     """Whether there is a folder; false for a name that the system does not accept."""
     try:
         return Path(path).is_dir()
+    except OSError:  # a name that is too long
+        return False
+
+
+def is_there(path: str | os.PathLike[str]) -> bool:
+    """Whether there is something of this name; false for a name that the system does not accept."""
+    try:
+        return Path(path).exists()
     except OSError:  # a name that is too long
         return False
 

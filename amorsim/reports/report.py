@@ -7,6 +7,7 @@ from pathlib import Path
 
 from amorsim.core.arguments import path_of
 from amorsim.core.errors import AnalysisError
+from amorsim.core.reading import is_file
 from amorsim.core.whole_files import write_text
 from amorsim.reports.run import run_page
 from amorsim.reports.study import comparison_page, study_page
@@ -39,7 +40,7 @@ def report(folder: str | os.PathLike[str], out: str | os.PathLike[str] | None = 
     """
     folder = path_of(folder, "folder", "the folder of a run, a study or a comparison")
     for name, page in _KINDS:
-        if (folder / name).exists():
+        if is_file(folder / name):
             path = folder / "report.html" if out is None else path_of(out, "out")
             write_text(path, page(folder).text, within=folder if out is None else None)
             return path

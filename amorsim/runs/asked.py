@@ -9,7 +9,7 @@ import attrs
 
 from amorsim.core.errors import AmorsimError, MapError
 from amorsim.core.parameters import ParameterError, check_value, describe
-from amorsim.core.reading import is_file
+from amorsim.core.reading import is_file, is_there
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -189,7 +189,7 @@ def _is_generator(name: str) -> bool:
     from amorsim.plugins.manager import default_registry
 
     registry = default_registry()
-    is_other = name in registry.names("scenario") or Path(name).exists()
+    is_other = name in registry.names("scenario") or is_there(name)
     return name in registry.names("world_generator") and not is_other
 
 

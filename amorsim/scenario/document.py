@@ -11,7 +11,7 @@ import attrs
 
 from amorsim.core.arguments import path_of
 from amorsim.core.errors import DocumentError, Fault, ScenarioError
-from amorsim.core.reading import no_such_file, read_bytes, reason
+from amorsim.core.reading import is_file, no_such_file, read_bytes, reason
 from amorsim.core.whole_files import write_bytes
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
@@ -53,7 +53,7 @@ def open_document(path: str | os.PathLike[str], *, registry: Registry | None = N
     registry = registry or default_registry()
     file = path_of(path, "path", SCENARIO_PATH)
     names = registry.names("scenario")
-    if str(path) in names and not file.is_file():
+    if str(path) in names and not is_file(file):
         file = registry.file("scenario", str(path))
     if (found := scenario_of_other(file, registry)) is not None:
         return Document(*found, registry=registry)

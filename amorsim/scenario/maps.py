@@ -16,7 +16,7 @@ from amorsim.core.errors import MapError, PluginError
 from amorsim.core.lost_cells import Lost, lost_cells
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError, describe
-from amorsim.core.reading import check_readable, no_such_file, reason
+from amorsim.core.reading import check_readable, is_file, is_folder, no_such_file, reason
 from amorsim.core.same_cells import have_same_cells
 from amorsim.core.trouble import RAISED, error_in_words
 from amorsim.core.unknown_names import no_such
@@ -129,7 +129,7 @@ def companions_of(file: MapFile) -> list[Path]:
     # Not resolve(), for the same reason as where a scenario names its map.
     paths = [Path(os.path.abspath(file.path.parent / path)) for path in found]  # noqa: PTH100
     for path in paths:
-        if not path.is_file():
+        if not is_file(path):
             raise MapError(f"{file.path}: {path}, which it should read, is no file")
     return paths
 
@@ -307,7 +307,7 @@ def _head(path: Path) -> bytes:
         raise MapError(f"{path}: this is a folder; a map is a file") from None
     except PermissionError:
         # On Windows, opening a folder is refused in these words too.
-        problem = "this is a folder; a map is a file" if path.is_dir() else "no permission to read this file"
+        problem = "this is a folder; a map is a file" if is_folder(path) else "no permission to read this file"
         raise MapError(f"{path}: {problem}") from None
     except (OSError, ValueError) as error:
         raise MapError(f"{path}: cannot be read: {reason(error)}") from None

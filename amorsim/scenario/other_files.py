@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from amorsim.core.errors import MapError
+from amorsim.core.reading import is_there
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.foreign import find_scenario_loader, read_foreign
 from amorsim.scenario.maps import find_loader
@@ -54,7 +55,7 @@ def map_alone(path: Path, options: Mapping[str, Any]) -> dict[str, Any]:
 def _text(file: Path, remarks: Sequence[str], tables: Mapping[str, Any]) -> tuple[str, Path]:
     head = "".join(f"# {line}\n" for line in (f"From {file.name}.", *remarks))
     name, number = file.with_suffix(".toml"), 1
-    while name.exists():
+    while is_there(name):
         number += 1
         name = file.with_name(f"{file.stem}_{number}.toml")
     return f"{head}\n{table_text(tables)}", name

@@ -79,7 +79,7 @@ def _read(top: Node, name: str, registry: Registry) -> Plan | None:
     check_format(top.child("format"))
     top.refuse_unknown(_KEYS)
     scenario = top.child("scenario").text("the name of a scenario, or the path of its file") or ""
-    if scenario not in registry.names("scenario") or (top.folder / scenario).is_file():
+    if scenario not in registry.names("scenario") or is_file(top.folder / scenario):
         scenario = str(top.folder / scenario)
     replicas = _whole(top.child("replicas"), 1, MAX_REPLICA + 1, "a number of replicas > 0", 1)
     seeds = _seeds(top.child("seeds"))

@@ -250,3 +250,36 @@ def test_a_file_that_is_no_scenario_is_refused_once(amorsim, tmp_path, text, say
     assert done.status == 2
     assert says in done.err
     assert len(done.err.splitlines()) == 1
+
+
+LONG = "n" * 5000
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["compare", LONG, LONG],
+        ["compare", LONG, LONG, "--axis", "x"],
+        ["compare", "demo", LONG],
+        ["report", LONG],
+        ["plan", LONG, "--from", "1,1", "--to", "2,2"],
+        ["plan", "demo", "--from", "1,1", "--to", "2,2", "--out", f"{LONG}.png"],
+        ["plot", LONG],
+        ["export", LONG, "--to", "csv"],
+        ["reproduce", LONG],
+        ["replay", LONG, "--no-open"],
+        ["sweep", LONG],
+        ["new", LONG],
+        ["convert", LONG, "x.png"],
+        ["edit", LONG, "--no-open"],
+        ["view", LONG, "--no-open"],
+    ],
+)
+def test_names_of_thousands_of_letters_are_refused_everywhere(
+    amorsim: Command, tmp_path: Path, arguments: list[str]
+) -> None:
+    result = amorsim(*arguments)
+    assert result.status == 2
+    assert LONG[:50] in result.err
+    assert "Traceback" not in result.err
+    assert list(tmp_path.iterdir()) == []

@@ -10,7 +10,7 @@ from typing import Any
 import attrs
 
 from amorsim.core.errors import AmorsimError
-from amorsim.core.reading import read_bytes, reason
+from amorsim.core.reading import is_there, read_bytes, reason
 from amorsim.core.whole_files import write_bytes
 from amorsim.scenario.beside import files_beside
 from amorsim.ui.editor.bitmaps import CODEC, SUFFIXES, decode, encode
@@ -57,7 +57,7 @@ def read_file(path: Path, world: Mapping[str, Any]) -> FileText:
     FilesError, WallsError
         If it cannot be read, or is a bitmap that cannot be painted on.
     """
-    if not path.exists():
+    if not is_there(path):
         empty = "" if path.suffix == PROGRAM else EMPTY_WORLD
         return FileText(text=empty, saved=None, empty=empty)
     try:
@@ -169,7 +169,7 @@ class Files:
         whole = b"\0".join(part for name in sorted(said) for part in (name.encode(), said[name]))
         own = folder / hashlib.sha256(whole).hexdigest()[:16]
         for name, data in said.items():
-            if not (own / name).exists():
+            if not is_there(own / name):
                 (own / name).parent.mkdir(parents=True, exist_ok=True)
                 write_bytes(own / name, data)
         return own / path.name

@@ -10,6 +10,7 @@ from typing import Any
 from amorsim.core.errors import AmorsimError, MapError
 from amorsim.core.left_behind import temporary_folder
 from amorsim.core.map import Map
+from amorsim.core.reading import is_there
 from amorsim.plugins.registry import Registry
 from amorsim.render.picture import draw_map
 from amorsim.scenario.map_words import lost_in_words, needed_options
@@ -32,7 +33,7 @@ def write_world(world: Map | None, target: Path, *, is_trial: bool, force: bool,
     """
     if world is None:
         raise AmorsimError("the world cannot be read; mend its faults first")
-    if target.exists() and not force:
+    if is_there(target) and not force:
         raise AmorsimError(f"{target.name} is there already; name another file")
     with temporary_folder("world") as folder:
         file = folder / target.name if is_trial else target
@@ -85,7 +86,7 @@ def save_model(partial: Partial, thing: Thing, sensor: str, target: Path, parent
     AmorsimError
         If it cannot be read whole, or written.
     """
-    if target.exists():
+    if is_there(target):
         raise AmorsimError(f"{target.name} is there already; name another file")
     if not thing["robots"] or thing["faults"]:
         raise AmorsimError(f"{thing['name']}: mend its faults first")

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from amorsim.core.errors import AmorsimError
+from amorsim.core.reading import is_there
 from amorsim.ui.editor.journal import state_folder
 from amorsim.ui.editor.session import EditSession
 from amorsim.ui.editor.work import Work
@@ -129,7 +130,7 @@ class _Opened:
                 return page.path
         if len(self._sessions) >= MOST_OPEN:
             raise AmorsimError(f"{MOST_OPEN} scenarios are open; end this Editor and start another")
-        if is_file and not path.is_file():
+        if is_file and not is_there(path):
             raise AmorsimError(f"there is no file {name}")
         session, page = self.add(Work(str(path) if is_file else name, self._folder, state=state_folder()))
         session.start()

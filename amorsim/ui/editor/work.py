@@ -8,7 +8,7 @@ from typing import Any
 
 from amorsim.core.errors import AmorsimError
 from amorsim.core.left_behind import temporary_folder
-from amorsim.core.reading import reason
+from amorsim.core.reading import is_file, is_folder, is_there, reason
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.document import Document, open_document
@@ -76,11 +76,11 @@ class Work:
             self._saved: str | None = None
         else:
             file = Path(name).absolute()  # now: later the folder may be gone from which relative paths lead
-            self.is_new = not file.is_file()
+            self.is_new = not is_file(file)
             self.document = open_document(name if self.is_new else file, registry=self.registry)
             self.path = self.document.path.absolute()
             # For a map, or another program's file, there is no file of the scenario yet.
-            self._saved = self.document.text if self.is_new or self.path.is_file() else None
+            self._saved = self.document.text if self.is_new or is_file(self.path) else None
             if not self.is_new:
                 self.folder = self.path.parent
         self.name = "untitled" if not name else self.path.stem
@@ -232,7 +232,7 @@ class Work:
     @property
     def files_gone(self) -> list[Path]:
         """Those of them that are not there any more."""
-        return [path for path in self.files_changed if not path.exists()]
+        return [path for path in self.files_changed if not is_there(path)]
 
     @property
     def _to_write(self) -> list[Path]:
@@ -301,7 +301,7 @@ class Work:
             If the file is there and is not to be replaced, or cannot be written.
         """
         path = path.absolute()
-        if path.exists() and not overwrite:
+        if is_there(path) and not overwrite:
             raise AmorsimError(f"{path.name} is there already; name another file")
         before, here = self.text, self.here
         is_copied = self._is_bundled or path.parent != here
@@ -351,7 +351,7 @@ class Work:
             self._saved = self.text
             for path in self.files:
                 self.files.drop(path)
-                if path.exists():
+                if is_there(path):
                     self.held(path)
         if set(before) == set(self.texts):
             self._remember("reload", before)
@@ -407,7 +407,7 @@ def _refuse_changed(files: Sequence[Path]) -> None:
 
 def _refuse_without_folder(files: Sequence[Path]) -> None:
     for file in files:
-        if not file.parent.is_dir():
+        if not is_folder(file.parent):
             raise ChangedError(
                 f"{file.name}: its folder {file.parent} was deleted by something else; make it again and save, or "
                 "press 'keep mine', which makes it"

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from amorsim.core.errors import AmorsimError
+from amorsim.core.reading import is_there
 from amorsim.runs.folder import new_folder, next_folder
 from amorsim.ui.simulator.pipes import python_for
 from amorsim.ui.simulator.recipe import Recipe
@@ -55,9 +56,9 @@ def free_places(project: Path, scenario: str) -> dict[str, str]:
     run = project / "run"
     changed = project / f"{scenario.removesuffix('.toml')}-changed"
     number, file = 2, changed.with_name(f"{changed.name}.toml")
-    while file.exists():
+    while is_there(file):
         number, file = number + 1, changed.with_name(f"{changed.name}-{number}.toml")
-    return {"run": (next_folder(run) if run.exists() else run).name, "scenario": file.name}
+    return {"run": (next_folder(run) if is_there(run) else run).name, "scenario": file.name}
 
 
 class Saver:

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from amorsim.core.errors import AmorsimError, did_you_mean
+from amorsim.core.reading import is_file, is_there
 from amorsim.ui.scene.wire import Scene
 from amorsim.ui.simulator.controls import Controls
 from amorsim.ui.simulator.keeper import Keeper
@@ -122,7 +123,7 @@ class Session:
         """The folder that the run is written into, or was until the end; nothing where there is none."""
         link = self._keeper.link
         folder = link.folder if link is not None else ""
-        return folder if folder and Path(folder, "run.json").is_file() else ""
+        return folder if folder and is_file(Path(folder, "run.json")) else ""
 
     # --------------------------------------------------------------------------------------------------------- windows
 
@@ -230,7 +231,7 @@ class Session:
             keeper.remark("saved", f"the run was saved in {answer['folder']}")
             return answer
         file = place_for(self.project, command.get("name"), ".toml")
-        if file.exists() and not command.get("overwrite"):
+        if is_there(file) and not command.get("overwrite"):
             raise AmorsimError(f"{file.name} is there already; name another file")
         await keeper.demand({"do": "write_scenario", "file": str(file)})
         keeper.remark("saved", f"the scenario was saved as {file.relative_to(self.project)}")
