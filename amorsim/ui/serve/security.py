@@ -19,13 +19,14 @@ from urllib.parse import parse_qs, urlsplit
 
 import attrs
 
-__all__ = ["Door", "Guard"]
+__all__ = ["LONGEST_HEAD", "Door", "Guard"]
 
 Scope = MutableMapping[str, Any]
 Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
 Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
 App = Callable[[Scope, Receive, Send], Awaitable[None]]
 
+LONGEST_HEAD = 32 * 1024  # [bytes] of a request: a browser sends the cookies of all that is served on this host
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 HEADERS = (
     (b"x-content-type-options", b"nosniff"),
@@ -112,6 +113,12 @@ class Door:
         return self._is_wildcard and _is_address(name)
 
 
+def _head_size(scope: Scope) -> int:
+    """How long the head of a request was [bytes], but for the words that every request has."""
+    lines = sum(len(name) + len(value) + len(b": \r\n") for name, value in scope["headers"])
+    return len(scope.get("raw_path") or b"") + len(scope.get("query_string", b"")) + lines
+
+
 class Guard:
     """The middleware: lets through what the door allows, refuses the rest with one line of text."""
 
@@ -123,6 +130,9 @@ class Guard:
         """Let a request through, or refuse it."""
         if scope["type"] == "lifespan":
             await self.app(scope, receive, send)
+            return
+        if _head_size(scope) > LONGEST_HEAD:  # the library looks only at one that comes in parts
+            await _refuse(scope, send, 431, f"The request's head is longer than {LONGEST_HEAD} bytes.")
             return
         headers = _Headers(scope)
         token = self._token_in(scope, headers)

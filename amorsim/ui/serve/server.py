@@ -23,7 +23,7 @@ from amorsim.core.errors import AmorsimError
 from amorsim.ui.serve.film import FilmError, gif_of, read_film
 from amorsim.ui.serve.lobby import Lobby
 from amorsim.ui.serve.pages import WEB, Pages
-from amorsim.ui.serve.security import App, Door, Guard
+from amorsim.ui.serve.security import LONGEST_HEAD, App, Door, Guard
 from amorsim.ui.serve.talk import Talk
 from amorsim.ui.serve.wire import LONGEST_MESSAGE
 
@@ -31,7 +31,6 @@ __all__ = ["build", "listen", "serve"]
 
 _NOT_OURS = (errno.EADDRNOTAVAIL, errno.EAFNOSUPPORT)  # of a socket's address: that of another machine
 
-LONGEST_HEAD = 32 * 1024  # [bytes] of a request: a browser sends the cookies of all that is served on this host
 LONGEST_UPLOAD = 60.0  # [s] of a film's pictures
 MOST_WINDOWS = 32
 FRESH = {"cache-control": "no-cache"}  # a browser asks whether it is new, so that an update is seen at once
