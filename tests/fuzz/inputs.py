@@ -27,6 +27,7 @@ from amorsim.scenario.resolved import resolved
 from tests.fuzz.damage import damaged
 from tests.fuzz.foreign import FOREIGN
 from tests.fuzz.maps import LOADERS, MAPS
+from tests.fuzz.recorded import RECORDED
 from tests.fuzz.scenarios import BASES, ROOM, TRACK
 
 __all__ = ["FUZZERS", "Fuzzer"]
@@ -351,5 +352,6 @@ FUZZERS: dict[str, Callable[[Path], Fuzzer]] = {
     **{name: functools.partial(Maps, only=name) for name in MAPS},
     "tracks": Tracks,
     **FOREIGN,
+    **RECORDED,
     "faulty": Faulty,
 }

@@ -18,16 +18,17 @@ __all__ = ["Paths", "Snapshots"]
 Array = npt.NDArray[np.float64]
 
 MOST_BYTES_OF_PATHS = 64_000_000
+MOST_MOMENTS = 100_000  # of a path: at full speed, a single robot would take minutes to fill the bytes
 MOST_SNAPSHOTS = 128
 MOST_BYTES_OF_SNAPSHOTS = 256_000_000
 FIRST_STRIDE = 50  # ticks between snapshots, at first
 
 
 class Paths:
-    """True and estimated poses of all robots; every tick at first, every second when memory runs out, and so on."""
+    """True and estimated poses of all robots; every tick at first, every second when there are too many, and so on."""
 
     def __init__(self, robots: int, most_bytes: int = MOST_BYTES_OF_PATHS) -> None:
-        self._most = max(4, most_bytes // (24 * max(robots, 1)))
+        self._most = max(4, min(MOST_MOMENTS, most_bytes // (24 * max(robots, 1))))
         self._kept = np.empty((min(1024, self._most), robots, 6), dtype=np.float32)
         self._count = 0
         self.stride = 1

@@ -15,7 +15,7 @@ from amorsim.noise.gaussian import Gaussian
 from amorsim.ui.simulator.inputs import Input
 from amorsim.ui.simulator.packing import Dynamic, FrameFlag, RobotFlag
 from amorsim.ui.simulator.player import Player
-from amorsim.ui.simulator.timeline import Paths
+from amorsim.ui.simulator.timeline import MOST_MOMENTS, Paths
 from tests import building
 
 
@@ -339,3 +339,14 @@ def test_going_on_says_what_is_kept(tmp_path: Path) -> None:
     with pytest.raises(am.AmorsimError, match="no later history"):
         written.go_back()
     written.close()
+
+
+def test_the_paths_of_a_simulation_that_runs_for_hours_stop_growing() -> None:
+    paths = Paths(1)
+    pose = np.zeros((1, 3))
+    for tick in range(3 * MOST_MOMENTS):
+        paths.keep(tick, pose, pose)
+    assert paths.stride == 4
+    assert len(paths.kept) <= MOST_MOMENTS
+    assert paths._kept.nbytes <= 24 * MOST_MOMENTS
+    assert paths.at(3 * MOST_MOMENTS)[0] == 3 * MOST_MOMENTS - 4
