@@ -1,6 +1,7 @@
 """Whatever is read, it ends with a result or with an error of amorsim's own, within 10 s and 1 GB.
 
-The readers of maps and of other programs' files get 200,000 inputs together, all others 20,000 each. One that fails is
+The readers of maps and of other programs' files get 200,000 inputs together, those of what runs, studies and recordings
+leave as many as a minute is enough for, all others 20,000 each. One that fails is
 tried again alone as `tests.fuzz.harness` tells.
 """
 
@@ -32,16 +33,18 @@ READERS = {
     "khepera": 2_300,
 }
 OTHERS = dict.fromkeys(("scenarios", "numbers", "tracks"), COUNT)
+# What runs, studies and recordings leave: a minute, too.
+RECORDED = {"runs": 3_000, "chunks": 3_000, "logs": 6_000}
 
 
 def test_readers_get_two_hundred_thousand_inputs() -> None:
     assert sum(READERS.values()) >= 200_000
-    assert set(READERS) | set(OTHERS) | {"maps", "faulty"} == set(FUZZERS)
+    assert set(READERS) | set(OTHERS) | set(RECORDED) | {"maps", "faulty"} == set(FUZZERS)
 
 
 @pytest.mark.long
 @pytest.mark.skipif(sys.platform != "linux", reason="limits are set as Linux has them")
-@pytest.mark.parametrize(("name", "count"), [*READERS.items(), *OTHERS.items()])
+@pytest.mark.parametrize(("name", "count"), [*READERS.items(), *OTHERS.items(), *RECORDED.items()])
 def test_every_input_ends_with_a_result_or_a_message(name: str, count: int, tmp_path: Path) -> None:
     from tests.fuzz.harness import fuzz
 
