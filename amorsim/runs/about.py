@@ -96,12 +96,12 @@ def read_about(folder: str | os.PathLike[str]) -> dict[str, Any]:
         If it is not the folder of a run, or the file is damaged; the message names the key.
     """
     path = Path(folder) / ABOUT
+    if not os.path.lexists(path):
+        raise RunError(f"{folder}: expected the folder of a run, with a {ABOUT} in it")
     try:
         about = read_table(path, RunError, LARGEST)
     except FileNotFoundError:
-        if path.is_symlink():
-            raise RunError(f"{path}: cannot be read (it is a link that leads nowhere)") from None
-        raise RunError(f"{folder}: expected the folder of a run, with a {ABOUT} in it") from None
+        raise RunError(f"{path}: cannot be read (it is a link that leads nowhere)") from None
     form = about.get("format", FORMAT)
     if is_whole(form) and form != FORMAT:
         version = about["amorsim"] if is_text(about.get("amorsim")) else "not known"
