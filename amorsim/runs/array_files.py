@@ -34,7 +34,7 @@ def read_arrays(path: Path) -> dict[str, npt.NDArray[Any]]:
     """
     try:
         with _opened(path) as file:
-            found = {name: _array(file.read(part), name) for name, part in _parts(file).items()}
+            found = {name: _array(file.read(part), name) for name, part in _parts(file, path).items()}
             if len({array.shape[:1] for array in found.values()}) > 1:
                 raise ValueError("its arrays have different numbers of rows")
             return found
@@ -46,7 +46,7 @@ def sizes_of(path: Path) -> dict[str, int]:
     """The arrays of a file by name, with their sizes [bytes]; raises as `read_arrays`."""
     try:
         with _opened(path) as file:
-            return {name: part.file_size for name, part in _parts(file).items()}
+            return {name: part.file_size for name, part in _parts(file, path).items()}
     except _BROKEN as error:
         raise _unreadable(path, error) from None
 
@@ -56,8 +56,10 @@ def _opened(path: Path) -> zipfile.ZipFile:
     return zipfile.ZipFile(path)
 
 
-def _parts(file: zipfile.ZipFile) -> dict[str, zipfile.ZipInfo]:
+def _parts(file: zipfile.ZipFile, path: Path) -> dict[str, zipfile.ZipInfo]:
     parts = file.infolist()
+    if sum(part.compress_size for part in parts) > path.stat().st_size:
+        raise ValueError("its directory promises more than the file holds")
     size = sum(part.file_size for part in parts)
     if size > LARGEST or len(parts) > _MOST_ARRAYS:
         raise ValueError(

@@ -86,3 +86,14 @@ def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
     for name in ("a.npz", "b.npz", "none.npz"):
         with pytest.raises(am.RunError, match="cannot be read"):
             read_arrays(tmp_path / name)
+
+
+def test_a_directory_that_promises_more_than_the_file_holds_is_refused(tmp_path: Path) -> None:
+    file = packed(tmp_path / "a.npz", a=promising((1,)))
+    data = bytearray(file.read_bytes())
+    entry = data.index(b"PK\x01\x02")
+    data[entry + 20 : entry + 24] = (0x7FFFFFFF).to_bytes(4, "little")  # the compressed size
+    file.write_bytes(data)
+    for read in (read_arrays, sizes_of):
+        with pytest.raises(am.RunError, match="its directory promises more than the file holds"):
+            read(file)
