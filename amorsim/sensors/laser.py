@@ -92,7 +92,8 @@ class Laser(Sensor):
         range_max: Any = self.range_max
         cast = at.view.bind_cast(at.pose, bearings, range_max, ranges, self.traversal)
         blank = functools.partial(readings.blank_near, ranges, self.range_min, at.out)
-        at.sides["incidence"] = lambda: incidence(at.view, at.pose, bearings, ranges, range_max)
+        view, origins = at.view, at.pose
+        at.sides["incidence"] = lambda: incidence(view, origins, bearings, ranges, range_max)
         return in_turn([cast, blank])
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:

@@ -108,7 +108,8 @@ class Sonar(Sensor):
         place = functools.partial(readings.place_ring, at.pose, ring.x, ring.y, ring.heading, origins)
         look = at.view.bind_cone(origins, half_angle, range_max, at.out, self.traversal)
         ring_down = functools.partial(np.maximum, at.out, self.range_min, out=at.out)
-        at.sides["incidence"] = lambda: nearest_incidence(at.view, origins, half_angle, range_max)
+        view = at.view
+        at.sides["incidence"] = lambda: nearest_incidence(view, origins, half_angle, range_max)
         return in_turn([place, look, ring_down])
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:

@@ -116,6 +116,12 @@ class Fleet:
         """All but the calls, which a copy prepares anew."""
         return {**vars(self), "calls": ()}
 
+    def release(self) -> None:
+        """Let go of the calls, so that what nobody holds is freed at once; they are prepared again if needed."""
+        self.calls = ()
+        for group in self.groups:
+            group.unbind()
+
     def _rows(self, members: Sequence[tuple[int, Any]], offset: int = 0) -> tuple[list[Any], Ints, Ints]:
         """The specification of each row, its body in the world, and its replica's number."""
         specified, bodies, replica = [], [], []

@@ -224,10 +224,19 @@ class Group:
             self._results += [unit.true, unit.measured]
         self.is_bound = True
 
+    _BOUND = ("_noise", "_place_mounts", "_senses", "_control", "_estimates", "_advance", "_results")
+
     def __getstate__(self) -> dict[str, Any]:
         """All but what is bound, which a copy prepares anew."""
-        bound = ("_noise", "_place_mounts", "_senses", "_control", "_estimates", "_advance", "_results")
-        return {name: value for name, value in vars(self).items() if name not in bound} | {"is_bound": False}
+        return {name: value for name, value in vars(self).items() if name not in self._BOUND} | {"is_bound": False}
+
+    def unbind(self) -> None:
+        """Let go of what is bound: it refers to the group in a circle, which would keep the map in memory."""
+        self.is_bound = False
+        for name in self._BOUND:
+            vars(self).pop(name, None)
+        for device in self.sensors.values():
+            device.unbind()
 
     def _take_joints(self, joints: Array, rates: Array) -> None:
         """Take what the drive's `advance` returned."""

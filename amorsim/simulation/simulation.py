@@ -84,12 +84,24 @@ class Simulation:
         self._build(seed)
 
     def _build(self, seed: int, scenario: Scenario | None = None) -> None:
-        self._fleet = Fleet(scenario or self.scenario, seed, self.replicas, self.threads, self._terrains)
+        self._hold(Fleet(scenario or self.scenario, seed, self.replicas, self.threads, self._terrains))
         # Recorders keep the groups of the beginning, whatever chains robots come to have.
         self._partition = tuple(tuple(group.names) for group in self._fleet.groups)
         self._starts += 1
         self._began: int | None = None  # the tick at which a step began that has not ended
         phases.first_look(self._fleet)
+
+    _fleet: Fleet
+
+    def _hold(self, fleet: Fleet) -> None:
+        """Simulate with a fleet from now on, and let go of the one before."""
+        before, self._fleet = vars(self).get("_fleet"), fleet
+        if before is not None and before is not fleet:
+            before.release()
+
+    def __del__(self) -> None:
+        if (fleet := vars(self).get("_fleet")) is not None:
+            fleet.release()
 
     def __repr__(self) -> str:
         scenario, ticks = self.scenario, sorted(set(self._fleet.ticks.tolist()))
@@ -369,7 +381,7 @@ class Simulation:
                 f"robot {name!r}, {path}: a chain changes in all replicas at once; leave out replica={replica}"
             )
         self.robot(name, self.replicas[0])  # is there one?
-        self._fleet = changes.with_other_chain(self._fleet, name, path, value)
+        self._hold(changes.with_other_chain(self._fleet, name, path, value))
 
     def hand_over(self, name: str, to: str = "hand", *, replica: int | None = None) -> None:
         """Drive a robot from outside from the next step on, or by its controller again.
@@ -432,7 +444,7 @@ class Simulation:
             If it belongs to another simulation: other replicas, robots, obstacles or components. Nothing changes then.
         """
         fleet, snapshot = fleet_fitting(self._fleet, snapshot)
-        self._fleet = fleet
+        self._hold(fleet)
         if snapshot.seed != self.seed:
             self._build(snapshot.seed, fleet.scenario)
         put_back(self._fleet, snapshot, np.ones(len(self.replicas), dtype=bool))

@@ -35,16 +35,20 @@ Array = npt.NDArray[np.float64]
 Arrays = dict[str, npt.NDArray[Any]]
 
 
-def check_bound(who: Who, rig: Rig, components: Sequence[Any], size: int = 0) -> None:
+Fire = Callable[[Any, Session, State], object]
+
+
+def check_bound(who: Who, rig: Rig, components: Sequence[Any], size: int = 0, fire: Fire | None = None) -> None:
     """Compare a component's own `bind` with its simple form, over all rows of the rig and all steps.
 
-    A component that is bound by the base class of its kind passes. `size` is that of a sample, for the context.
+    A component that is bound by the base class of its kind passes. `size` is that of a sample, for the context; `fire`
+    adds what a sensor emits to the rig's world.
     """
     component = stack(components)
     kinds: dict[type, Any] = {Sensor: _Sensor, Drive: _Drive, Estimator: _Estimator, Controller: _Controller}
     for base, form in kinds.items():
         if isinstance(component, base) and type(component).bind is not base.bind:  # type: ignore[attr-defined]
-            _compare(who, form(rig, component, size), form(rig, component, size))
+            _compare(who, form(rig, component, size, fire), form(rig, component, size, fire))
 
 
 def _compare(who: Who, simple: _Form, bound: _Form) -> None:
@@ -80,8 +84,8 @@ class _Form:
 
     name = ""
 
-    def __init__(self, rig: Rig, component: Any, size: int) -> None:
-        self.rig, self.component, self.size = rig, component, size
+    def __init__(self, rig: Rig, component: Any, size: int, fire: Fire | None) -> None:
+        self.rig, self.component, self.size, self.fire = rig, component, size, fire
         self.session = Session(rig, np.arange(ROWS, dtype=np.int64))
         self.session.go_to(0)
         context: Context = self.session.context(size)
@@ -97,6 +101,8 @@ class _Form:
     def go_to(self, t: int) -> None:
         """Write the inputs of step `t` into the arrays that the component was bound to."""
         self.session.go_to(t)
+        if self.fire is not None:
+            self.fire(self.component, self.session, self.state)
         for name, array in self.now().items():
             self.given.setdefault(name, np.array(array))[...] = array
 

@@ -174,7 +174,8 @@ def check_component(
     if isinstance(component, (Controller, Motion)):
         _check_places(who, component)
     record = try_rows(others, kin)
-    check_bound(who, rig, kin, others.size)
+    fire = others.fire if isinstance(others, SensorTrial) and component.medium else None
+    check_bound(who, rig, kin, others.size, fire)
     if isinstance(component, Sensor):
         _check_change(who, record)
 

@@ -82,7 +82,7 @@ class SensorTrial(Trial[Sensor]):
             given.add("command", command)
             with self.who.calling("actuate"):
                 component.actuate(command, DT, state, session.draws)
-        fired = self._fire(component, session, state) if component.medium else {}
+        fired = self.fire(component, session, state) if component.medium else {}
         with self.who.calling("sense"):
             found = component.sense(view, aim, state, session.draws)
         pair = isinstance(found, tuple) and len(found) == 2 and isinstance(found[1], Mapping)
@@ -102,7 +102,7 @@ class SensorTrial(Trial[Sensor]):
             outputs["bearings"] = np.broadcast_to(self.array(bearings, wanted, "bearings()"), (rows, self.size))
         return outputs
 
-    def _fire(self, component: Sensor, session: Session, state: State) -> Outputs:
+    def fire(self, component: Sensor, session: Session, state: State) -> Outputs:
         """The sensor's emission, added to the rig's world, in which nothing else emits."""
         rows, require = len(session.rows), self.who.require
         with self.who.calling("emit"):

@@ -171,12 +171,12 @@ def test_a_world_of_stage_comes_whole_with_its_bodies_or_not_at_all(
     target.write_text("as it was")
     seen: list[str] = []
 
-    def no_space(file: Path) -> None:
-        if file.name == target.name:
-            seen.append(file.read_text())
+    def no_space(folder: Path) -> None:
+        if (folder / target.name).is_file():
+            seen.append((folder / target.name).read_text())
             raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(whole_files, "_sync", no_space)
+    monkeypatch.setattr(whole_files, "_sync_all", no_space)
     result = amorsim("convert", "landmarks", "marks.world", "--set", "world.resolution=0.05", "--force")
     assert result.status == 2, result.err
     assert "No space left on device" in result.err

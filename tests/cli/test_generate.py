@@ -43,7 +43,7 @@ def test_a_file_that_is_there_is_replaced_by_force_alone(amorsim: Command, tmp_p
             "size=[0.0, 3.0]: size: expected a list of 2, each a number [m] > 0 and <= 10000, got 0.0",
         ),
         (("maze", "-o", "a.png", "--size", "nan", "3"), "size=[nan, 3.0]: size: expected a list of 2"),
-        (("office", "-o", "a.xyz"), "no format of maps is known"),
+        (("office", "-o", "a.xyz"), "no map can be written with this extension"),
     ],
 )
 def test_a_mistake_is_said_in_words(amorsim: Command, tmp_path: Path, arguments: tuple[str, ...], words: str) -> None:

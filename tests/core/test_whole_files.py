@@ -140,6 +140,7 @@ OWN_MEANS = {
     "core/whole_files.py",
     "foreign/mobilesim.py",
     "foreign/stage/map.py",
+    "grading/child.py",  # into a folder that is gone after the run
     "maps/bmp.py",
     "maps/geojson.py",
     "maps/movingai.py",

@@ -149,7 +149,8 @@ def check_toml(block: Block, sensors: dict[str, Any]) -> None:
     if is_part:
         sensors |= tables["robots"][0].get("sensors", {})
         tables["robots"][0]["sensors"] = dict(sensors)
-    loads(tables, Path.cwd(), name="the page")
+    folder = (Path.cwd() / block.file).parent if block.file else Path.cwd()
+    loads(tables, folder, name="the page")
 
 
 @attrs.define

@@ -49,9 +49,9 @@ def test_the_test_command_as_written() -> None:
     command = _command_after(README.read_text(encoding="utf-8"), 'python -m pip install -e ".[dev]" ')
     assert command == "python -m pytest"
     # These tests themselves run by it; that it also works with what was installed is `.ci/run`'s.
-    assert 'python -m pip install --quiet --disable-pip-version-check -e ".[dev]"' in (ROOT / ".ci" / "run").read_text(
-        encoding="utf-8"
-    )
+    assert 'python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[dev]"' in (
+        ROOT / ".ci" / "run"
+    ).read_text(encoding="utf-8")
 
 
 def test_the_script_as_written(page: Page) -> None:

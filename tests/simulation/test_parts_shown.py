@@ -119,9 +119,9 @@ def test_a_robots_own_colour_is_the_same_in_all_pictures(tmp_path: Path, monkeyp
     from amorsim.analysis.plot import plot_run
     from amorsim.ui.simulator.scenes import SceneBuilder
 
-    def save_the_path(figure: Any, path: Path, *, dpi: int) -> None:
+    def save_the_path(figure: Any, path: Path, *, dpi: int, within: Path) -> None:
         if path.stem.endswith("-path"):
-            save_figure(figure, path, dpi=dpi)
+            save_figure(figure, path, dpi=dpi, within=within)
 
     monkeypatch.setattr("amorsim.analysis.plot.save_figure", save_the_path)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+import weakref
 from collections.abc import Callable
 from typing import Any
 
@@ -51,6 +53,22 @@ def test_a_profile_times_each_call_and_leaves_the_simulation_where_it_was() -> N
     sim.run(0.5)
     alone.run(1.0)
     assert sim.digest() == alone.digest()
+
+
+def test_a_simulation_that_nobody_holds_is_freed_at_once() -> None:
+    sim = demo(controller=am.controllers.Wander())
+    sim.step()
+    seen = [weakref.ref(sim._fleet.world), weakref.ref(sim._fleet.groups[0])]
+    gc.disable()
+    try:
+        sim.reset(seed=2)
+        sim.step()
+        assert seen[0]() is None
+        seen = [weakref.ref(sim._fleet.world), weakref.ref(sim._fleet.groups[0])]
+        del sim
+        assert [one() for one in seen] == [None, None]
+    finally:
+        gc.enable()
 
 
 def test_a_profile_of_no_steps_is_refused() -> None:

@@ -100,6 +100,12 @@ class Device:
         """All but what is bound, which a copy prepares anew."""
         return {name: value for name, value in vars(self).items() if name not in ("_sense", "look")} | {"_sides": {}}
 
+    def unbind(self) -> None:
+        """Let go of what is bound; see `Group.unbind`."""
+        self._sides.clear()
+        for name in ("_sense", "look"):
+            vars(self).pop(name, None)
+
     # ------------------------------------------------------------------------------------------------- parameters
 
     def set_parameters(self, true: Sequence[MountedSensor], dt: float) -> None:
