@@ -11,7 +11,7 @@ from PIL import Image
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 # Timing is never what decides: a kernel compiles in its first example, and machines are shared. A fifth of the examples
-# is tried every day, and all among the long tests: pytest -m "long or hypothesis" --hypothesis-profile=all
+# is tried every day; all of them with pytest -m hypothesis --hypothesis-profile=all
 settings.register_profile("all", deadline=None, max_examples=100)
 settings.register_profile("everyday", deadline=None, max_examples=20)
 settings.load_profile("everyday")

@@ -112,8 +112,8 @@ def test_the_figures_say_what_the_files_say(folder: Path, monkeypatch: pytest.Mo
 def test_a_run_of_one_moment_and_one_that_saw_nothing_can_be_drawn(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def save_small(figure: Any, path: Path, **_: object) -> None:
-        save_figure(figure, path, dpi=20)
+    def save_small(figure: Any, path: Path, *, dpi: int, within: Path) -> None:
+        save_figure(figure, path, dpi=20, within=within)
 
     monkeypatch.setattr("amorsim.analysis.plot.save_figure", save_small)
     study = make_study(tmp_path / "study")

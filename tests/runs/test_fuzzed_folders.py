@@ -22,7 +22,7 @@ from tests.studies import make_study
 
 pytestmark = pytest.mark.long
 
-COUNT = 2500
+COUNT = 800
 LONGEST = 10  # [s] of the processor's time; a machine may be busy with other things
 WAITING = 120  # [s] of the clock on the wall: nothing waits for ever
 ROOM = 1 << 30  # [bytes] beyond what the process has at the beginning
