@@ -214,7 +214,7 @@ def test_processes_ignore_ctrl_c_from_their_first_line_on(tmp_path: Path, monkey
 
     get_reusable_executor().shutdown(wait=True)  # another test's processes may ignore it already
     before = signal.getsignal(signal.SIGINT)
-    monkeypatch.setattr(spread, "_in_worker", lambda plan, work: signal.getsignal(signal.SIGINT))
+    monkeypatch.setattr(spread, "_in_worker", lambda plan, work, parent: signal.getsignal(signal.SIGINT))
     plan = read_plan(small(tmp_path / "s", 4))
     answers: list[Any] = list(spread._parallel(plan, (spread.Work(index=index) for index in range(4)), 2))
     assert answers == [signal.SIG_IGN] * 4
