@@ -28,6 +28,7 @@ def practice(*seeds: int) -> str:
 
 
 def test_points_are_those_of_the_rubric(course: Path) -> None:
+    course.write_text(practice(11))
     found = graded(course, good=GOOD, lazy=LAZY)
     assert [case.problem for case in found["good"].cases] == [""]
     assert found["good"].points_for("arrived") == 6.0
@@ -39,7 +40,12 @@ def test_points_are_those_of_the_rubric(course: Path) -> None:
     assert float(rows[0]["total"]) == pytest.approx(found["good"].total, rel=1e-3)
     page = (course.parent / "grades" / "good.html").read_text(encoding="utf-8")
     assert "First homework: good" in page
-    assert str(found["good"].cases[0].case.seed.seed) not in page  # seeds stay with the lecturer
+
+
+def test_a_drawn_seed_stays_with_the_lecturer(course: Path) -> None:
+    found = graded(course, good=GOOD)
+    page = (course.parent / "grades" / "good.html").read_text(encoding="utf-8")
+    assert str(found["good"].cases[0].case.seed.seed) not in page
 
 
 def test_a_graded_controller_drives_as_it_does_in_a_run(course: Path) -> None:
