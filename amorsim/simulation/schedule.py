@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, NamedTuple, NoReturn
@@ -72,15 +73,17 @@ class Schedule(Sequence[Call]):
         """
         steps = whole(steps, "steps", "a number of steps >= 1", least=1)
         calls = tuple(self._calls())
-        spent = [0] * len(calls)
+        rounds: list[list[int]] = []
 
         def step() -> None:
-            for i, call in enumerate(calls):
-                begin = time.perf_counter_ns()
+            times = [time.perf_counter_ns()]
+            for call in calls:
                 call.run()
-                spent[i] += time.perf_counter_ns() - begin
+                times.append(time.perf_counter_ns())
+            rounds.append([after - before for before, after in itertools.pairwise(times)])
 
-        self._try_steps(steps, step)
+        self._try_steps(steps + 1, step)
+        spent = [sum(column) for column in zip(*rounds[1:], strict=True)]  # the first loads kernels
         mean = [total / steps / 1000.0 for total in spent]
         lines = [f"{us:8.1f} us  {call.phase:<9} {call.label}" for us, call in zip(mean, calls, strict=True)]
         return "\n".join([*lines, f"{sum(mean):8.1f} us  in all"])
