@@ -83,7 +83,7 @@ BAD = {
     ),
     "words": ("def drive(readings, estimate, clock):\n    return 'forward'\n", "returned 'forward'"),
     "syntax": ("def drive(readings:\n", "SyntaxError"),
-    "other": ("def steer(readings, estimate, clock):\n    return None\n", "there is no 'drive'"),
+    "other": ("def steer(readings, estimate, clock):\n    return None\n", "no definition 'drive'"),
     "hungry": ("def drive(readings, estimate, clock):\n    return bytearray(10**11)\n", "memory"),
     "hasty": (
         "import os\n\ndef drive(readings, estimate, clock):\n"
