@@ -16,7 +16,7 @@ import pytest
 
 from tests.fuzz.inputs import FUZZERS, Faulty
 
-COUNT = 20_000
+COUNT = 10_000
 SEED = 12
 # As many as a minute is enough for: of what takes longer, fewer.
 READERS = {
@@ -34,7 +34,7 @@ READERS = {
 }
 OTHERS = dict.fromkeys(("scenarios", "numbers", "tracks"), COUNT)
 # What runs, studies and recordings leave: a minute, too.
-RECORDED = {"runs": 3_000, "chunks": 3_000, "logs": 6_000}
+RECORDED = {"runs": 1_500, "chunks": 1_500, "logs": 3_000}
 
 
 def test_readers_get_two_hundred_thousand_inputs() -> None:
