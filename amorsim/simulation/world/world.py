@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from amorsim.core.map import Map
 from amorsim.core.shapes import Shape, pack
-from amorsim.core.workers import Workers
+from amorsim.core.workers import Workers, in_turn
 from amorsim.kernels.collision import body_hash
 from amorsim.kernels.collision import clearance as contact_kernels
 from amorsim.kernels.collision import footprints as body_kernels
@@ -244,7 +244,7 @@ class World:
             hits = _NO_HITS if hit is None else hit[a:b]
             return lambda: cast(*self.met(), *beams, hits)
 
-        return self.workers.bind(len(origins), cos_b.shape[1], prepare)
+        return in_turn([self._find_places, self.workers.bind(len(origins), cos_b.shape[1], prepare)])
 
     def bind_hear(
         self,
@@ -263,7 +263,11 @@ class World:
             before, after = (replica[a:b], own[a:b], origins[a:b]), (range_max[a:b], out[a:b])
             return lambda: body_cones.nearest_bodies(*self.met(), *before, half_angle, cos_b, sin_b, *after)
 
-        return self.workers.bind(len(origins), CONE_WORK, prepare)
+        return in_turn([self._find_places, self.workers.bind(len(origins), CONE_WORK, prepare)])
+
+    def _find_places(self) -> None:
+        """Bring the spatial hash up to date, before threads read it."""
+        self.by_place(self.poses)
 
     def met(self) -> tuple[Bodies, Array, int, BodyHash, float]:
         """The bodies at their present poses, as the kernels that look for them take them."""
