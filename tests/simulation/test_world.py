@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
+import threading
+import time
 
 import numpy as np
 import pytest
 
 import amorsim as am
+from amorsim.core import workers
 from amorsim.core.shapes import Shape
+from amorsim.kernels.collision import body_hash
 from tests import building
 
 
@@ -92,3 +96,28 @@ def test_a_robot_is_not_put_outside_the_map_or_into_a_wall() -> None:
     with pytest.raises(am.AmorsimError, match=r"cannot stand at \(6.0, 2.0, 0.0\): it would overlap a wall"):
         sim.set_pose("rover", (6.0, 2.0, 0.0))
     assert sim.digest() == before
+
+
+@pytest.mark.parametrize("sensor", [am.sensors.Laser(beams=8), am.sensors.Sonar()])
+def test_the_bodies_are_hashed_before_threads_look_for_them(sensor: am.Sensor, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two threads that found the hash stale once made it at the same time, which ended Python."""
+    monkeypatch.setattr(workers, "LEAST_WORK", 0)
+    monkeypatch.setattr(workers, "cores", lambda: 2)
+    hashed: list[threading.Thread] = []
+    hash_bodies = body_hash.hash_bodies
+
+    def watched(*given: object) -> None:
+        hashed.append(threading.current_thread())
+        time.sleep(0.02)  # so that the other thread comes to it meanwhile, where it may
+        hash_bodies(*given)
+
+    monkeypatch.setattr(body_hash, "hash_bodies", watched)
+    fleet = [
+        building.robot(name=f"r{i}", sensors={"eye": sensor}, estimators={}, pose=am.Pose(x=1.0 + 0.8 * i, y=2.0))
+        for i in range(4)
+    ]
+    sim = am.Simulation(building.scenario(*fleet), threads=2)
+    for name in sim.names:
+        sim.robot(name).drive(forward=0.05)
+    sim.run(0.5)
+    assert set(hashed) == {threading.main_thread()}
