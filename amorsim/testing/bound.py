@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import abc
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -79,7 +80,7 @@ def _require_same(who: Who, what: str, expected: npt.NDArray[Any], found: npt.ND
         who.fail("bind", f"{what}: expected the bits of the simple form, found others, in {len(rows)} of its rows")
 
 
-class _Form:
+class _Form(abc.ABC):
     """A component in the rig, step by step: its simple form is called, or it is bound once."""
 
     name = ""
@@ -94,9 +95,9 @@ class _Form:
         self.out: npt.NDArray[Any] = np.zeros(0)
         self.prepare()
 
+    @abc.abstractmethod
     def prepare(self) -> None:
         """Make the arrays that keep their place."""
-        raise NotImplementedError
 
     def go_to(self, t: int) -> None:
         """Write the inputs of step `t` into the arrays that the component was bound to."""
@@ -106,17 +107,17 @@ class _Form:
         for name, array in self.now().items():
             self.given.setdefault(name, np.array(array))[...] = array
 
+    @abc.abstractmethod
     def now(self) -> Mapping[str, npt.NDArray[Any]]:
         """The inputs of this step, by name."""
-        raise NotImplementedError
 
+    @abc.abstractmethod
     def call(self) -> npt.NDArray[Any]:
         """What the simple form returns."""
-        raise NotImplementedError
 
+    @abc.abstractmethod
     def bind(self) -> Callable[[], None]:
         """The bound function."""
-        raise NotImplementedError
 
 
 class _Sensor(_Form):
