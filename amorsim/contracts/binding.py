@@ -126,13 +126,13 @@ class EstimatorBinding:
 
 
 def simple_form_first(cls: C, pairs: Mapping[str, str], base: type) -> C:
-    """Let a class that defines a simple form, but does not bind it, be bound by `base`.
+    """Let a class whose simple form is newer than what binds it be bound by `base`.
 
     Otherwise a subclass of a bound component that overrides the simple form would be ignored. `pairs` gives the method
-    that binds each simple form.
+    that binds each simple form; the newer of the two stands first in the order in which Python looks methods up.
     """
-    own: Mapping[str, Any] = vars(cls)
     for simple, binds in pairs.items():
-        if simple in own and binds not in own:
+        newest = next(kind for kind in cls.__mro__ if {simple, binds} & vars(kind).keys())
+        if binds not in vars(newest):
             setattr(cls, binds, getattr(base, binds))
     return cls

@@ -131,6 +131,29 @@ def test_a_subclass_that_overrides_the_simple_form_is_called_by_it() -> None:
     assert rover.readings["compass"].true[0] == rover.true_pose[2] + 1.0
 
 
+class Reversed:
+    """A mixin, which is no sensor, that overrides a simple form."""
+
+    def sense(self, view: Any, aim: Any, state: Any, draws: Any) -> Any:
+        """The opposite."""
+        values, side = super().sense(view, aim, state, draws)  # type: ignore[misc]
+        return -values, side
+
+
+@attrs.frozen(kw_only=True)
+class ReversedGyro(Reversed, am.sensors.Gyro):
+    """A gyro mounted upside down."""
+
+
+def test_a_mixin_that_overrides_the_simple_form_is_called() -> None:
+    sensors = {"gyro": MountedSensor(sensor=ReversedGyro())}
+    robot = building.robot(controller=am.controllers.Manual(), sensors=sensors, estimators={})
+    sim = am.Simulation(building.scenario(robot))
+    sim.robot("rover").drive(turn=0.4)
+    sim.run(1.0)
+    assert sim.robot("rover").readings["gyro"].true[0] == -sim.robot("rover").true_twist[2] < 0.0
+
+
 @attrs.frozen(kw_only=True)
 class Clock(am.Sensor):
     """A bound sensor: the time since the start, kept in its state."""
