@@ -2,20 +2,51 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from amorsim.cli.console import compile_all
+from amorsim.cli.console import compile_all, say
 
 __all__ = ["command"]
 
 
 def command(
+    archive: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Take the compiled kernels from FILE if it is there and fits, and otherwise write them into it: for "
+            "many machines of one kind. Take only files that you trust: what lies in them is run.",
+        ),
+    ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
 ) -> None:
     """Compile what usual runs, the bundled scenarios, avoiders, generated worlds and planners need, ahead of the first.
 
-    It takes two to three minutes, once after installing or updating. What is compiled already is kept.
+    It takes two to three minutes, once after installing or updating. What is compiled already is kept. A FILE fits
+    machines with the same processor and the same versions of amorsim, numba and Python.
     """
+    if archive is None:
+        compile_all(quiet, more=True)
+        return
+    from amorsim.core.whole_files import check_place
+    from amorsim.runs.kernel_archive import misfit, pack_kernels, unpack_kernels
+
+    if archive.exists():
+        why = misfit(archive)
+        if not why:
+            unpack_kernels(archive)
+            _say(f"took the compiled kernels from {archive}", quiet)
+            return
+        _say(f"{archive} does not fit and is written anew: {why}", quiet)
+    check_place(archive)
     compile_all(quiet, more=True)
+    pack_kernels(archive)
+    _say(f"wrote the compiled kernels to {archive}", quiet)
+
+
+def _say(text: str, quiet: bool) -> None:
+    if not quiet:
+        say(text)

@@ -2,6 +2,9 @@
 
 numba's cache looks only at the file of the function that it loads. A change in a function that this one calls would
 leave old machine code in use. So the folder is named after a digest of all kernels' sources, and numba's version.
+
+Within it, compiled code lies as its sources lie in the package, whatever folder that is installed in. So the folder can
+be copied to another installation (`amorsim.runs.kernel_archive`).
 """
 
 from __future__ import annotations
@@ -13,12 +16,13 @@ import shutil
 import tempfile
 import time
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numba
 
-__all__ = ["cache_folder", "is_cold", "mark_warm"]
+__all__ = ["KernelLocator", "cache_folder", "is_cold", "mark_warm"]
 
 _SOURCES = Path(__file__).resolve().parent
 
@@ -57,6 +61,41 @@ def mark_warm() -> None:
     folder = cache_folder()
     if folder is not None:
         (folder / "warm").touch()
+
+
+class KernelLocator:
+    """Tells numba where compiled kernels lie; for functions that are not amorsim's own it tells nothing.
+
+    numba's documentation calls this a cache locator, named in ``NUMBA_CACHE_LOCATOR_CLASSES``.
+    """
+
+    def __init__(self, folder: Path, line: int) -> None:
+        self._folder = folder
+        self._line = line
+
+    @classmethod
+    def from_function(cls, function: Callable[..., Any], file: str) -> KernelLocator | None:
+        """The locator of a function that is defined in a file."""
+        folder, path = cache_folder(), Path(file).resolve()
+        if folder is None or not path.is_relative_to(_SOURCES):
+            return None
+        return cls(folder / path.parent.relative_to(_SOURCES), function.__code__.co_firstlineno)
+
+    def get_cache_path(self) -> str:
+        """The folder of what is compiled from the function."""
+        return str(self._folder)
+
+    def ensure_cache_path(self) -> None:
+        """Make the folder."""
+        self._folder.mkdir(parents=True, exist_ok=True)
+
+    def get_source_stamp(self) -> str:
+        """What changes with the function's source: nothing, for the folder's own name does (`cache_folder`)."""
+        return ""
+
+    def get_disambiguator(self) -> str:
+        """What tells functions of one name apart."""
+        return str(self._line)
 
 
 def _candidates() -> Iterator[Path]:

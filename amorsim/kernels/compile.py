@@ -12,11 +12,14 @@ from typing import Any, TypeVar, cast
 
 import numba
 
-from amorsim.kernels.cache_folder import cache_folder
+from amorsim.kernels.cache_folder import KernelLocator, cache_folder
 
 __all__ = ["inlined", "kernel", "part"]
 
 F = TypeVar("F", bound=Callable[..., Any])
+
+# The second is numba's own, for kernels of plugins: it takes `CACHE_DIR`.
+_LOCATORS = f"{KernelLocator.__module__}.{KernelLocator.__qualname__},UserProvidedCacheLocator"
 
 
 def kernel(function: F) -> F:
@@ -47,10 +50,10 @@ def inlined(function: F) -> F:
 
 def _compiled(function: F, **options: Any) -> F:
     folder = cache_folder()
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = "" if folder is None else str(folder)
+    before = numba.config.CACHE_DIR, numba.config.CACHE_LOCATOR_CLASSES
+    numba.config.CACHE_DIR, numba.config.CACHE_LOCATOR_CLASSES = str(folder or ""), _LOCATORS
     try:
         made = numba.njit(cache=folder is not None, nogil=True, error_model="numpy", **options)(function)
     finally:
-        numba.config.CACHE_DIR = before
+        numba.config.CACHE_DIR, numba.config.CACHE_LOCATOR_CLASSES = before
     return cast(F, made)
