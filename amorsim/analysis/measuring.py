@@ -62,6 +62,10 @@ def episode_of(files: RunFiles, needs: Sequence[str], *, robot: str | None = Non
     for name in needs:
         kept[name] = np.array(poses[name] if name in _OF_POSES else _read(files, name, specified))
     steps = min([len(poses["time"]), *(len(array) for array in kept.values())])
+    if not steps:
+        raise AnalysisError(
+            f"{files.folder}: its tables of {robot!r} hold no moment for {', '.join(needs) or 'a metric'}"
+        )
     return Episode(
         robot=robot,
         replicas=list(files.replicas),

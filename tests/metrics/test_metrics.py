@@ -256,3 +256,13 @@ def test_commands_of_a_mixed_fleet_are_the_same_in_files_and_in_a_simulation(tmp
     for place, name in enumerate(simulation.names):
         found = episode_of(files, ("command",), robot=name).kept["command"]
         assert np.array_equal(found[1:], kept[:, place :: len(simulation.names)], equal_nan=True)
+
+
+def test_a_table_without_rows_is_said_to_hold_nothing(tmp_path: Path) -> None:
+    am.run(building.scenario(building.robot()), tmp_path / "run", duration=0.2)
+    table = tmp_path / "run" / "estimates" / "dead_reckoning.csv"
+    table.write_text(table.read_text().splitlines(keepends=True)[0])
+    assert np.isfinite(measure(tmp_path / "run", PositionError())).all()  # it does not need the table
+    for metric in (Nees(at="end"), Nees(at="mean")):
+        with pytest.raises(am.AnalysisError, match="hold no moment for"):
+            measure(tmp_path / "run", metric)
