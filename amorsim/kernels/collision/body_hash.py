@@ -89,7 +89,8 @@ def hash_bodies(poses: Floats, reach: Floats, owner: Ints, replica_first: Ints, 
     """
     first = table.first
     bucket = np.empty(reach.shape[0], dtype=np.int64)
-    first[:] = 0
+    for k in range(first.shape[0]):
+        first[k] = 0
     for r in range(replica_first.shape[0] - 1):
         for i in range(replica_first[r], replica_first[r + 1]):
             row = _cell(poses[i, 1], table.side) & (table.rows - 1)

@@ -88,7 +88,8 @@ def label_parts(cells: Cells, joined: NDArray[np.int32], out: NDArray[np.int32])
 @kernel
 def number_parts(joined: NDArray[np.int32], sizes: NDArray[np.int64], labels: NDArray[np.int32]) -> None:
     """Turn labels into the numbers of their parts, in place; `sizes` gets how many cells each part has, from 0 on."""
-    sizes[:] = 0
+    for n in range(sizes.shape[0]):
+        sizes[n] = 0
     for i in range(labels.shape[0]):
         for j in range(labels.shape[1]):
             part = joined[labels[i, j]]

@@ -117,7 +117,8 @@ def _near_blocks(
 
     `away` gets how far [m] each block is; both are as long as there are blocks. `ends` (RINGS + 2,) is room to work in.
     """
-    ends[:] = 0
+    for ring in range(ends.shape[0]):
+        ends[ring] = 0
     scale = RINGS / reach
     boxes = lines.boxes
     for block in range(boxes.shape[1]):
@@ -180,7 +181,8 @@ def walls_about(
         for m in range(first, end):
             candidates[count] = m
             count += 1 if squares[m] <= reach * reach else 0
-    ends[:] = 0
+    for ring in range(ends.shape[0]):
+        ends[ring] = 0
     for c in range(count):
         at = np.uint64(candidates[c])
         ring = min(int(math.sqrt(squares[at]) * scale), RINGS)

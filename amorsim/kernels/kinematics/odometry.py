@@ -75,8 +75,8 @@ def joints_between(last: Floats, angles: Floats, far: float, leap: float, before
             after[i, j] = angles[i, j] if counts else last[i, j]
             before[i, j] = after[i, j] if math.isnan(last[i, j]) else last[i, j]
             leapt |= abs(after[i, j] - before[i, j]) > leap
-        if leapt:
-            before[i] = after[i]
+        for j in range(last.shape[1]):
+            before[i, j] = after[i, j] if leapt else before[i, j]
 
 
 @kernel
@@ -99,8 +99,9 @@ def wheel_twists(
 def wheel_jacobian(track: Column, out: Floats) -> None:
     """Motion (forward, left, turn) per metre of travel of a left and a right wheel, into `out` (N, 3, 2)."""
     for i in range(out.shape[0]):
-        out[i, 0, :] = 0.5
-        out[i, 1, :] = 0.0
+        for side in range(2):
+            out[i, 0, side] = 0.5
+            out[i, 1, side] = 0.0
         out[i, 2, 0] = -1.0 / track[i, 0]
         out[i, 2, 1] = 1.0 / track[i, 0]
 

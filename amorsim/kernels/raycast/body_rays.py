@@ -78,7 +78,8 @@ def _order(cos_b: Floats, sin_b: Floats, row: int, starts: Ints) -> bool:
         while sector <= int(turn * _PER_TURN):
             starts[sector] = j
             sector += 1
-    starts[sector:] = cos_b.shape[1]
+    for rest in range(sector, starts.shape[0]):
+        starts[rest] = cos_b.shape[1]
     return True
 
 
@@ -177,7 +178,8 @@ def _bounds(beams: Floats, ranges: Floats, limit: float, box: Floats) -> None:
     which waits for the one before.
     """
     count = beams.shape[1]
-    box[:] = 0.0
+    for b in range(box.shape[0]):
+        box[b] = 0.0
     for first in range(0, count, _WIDE):
         for b in range(_WIDE):
             # The last ones again where their number is no multiple of eight.

@@ -29,7 +29,8 @@ def _meet_disc(x: float, y: float, radius: float, dx: Floats, dy: Floats, found:
     """Lower `found` to where rays from the origin enter a disc [m]; 0 from inside."""
     away = math.sqrt(x * x + y * y)
     if away <= radius:
-        found[:] = 0.0
+        for b in range(found.shape[0]):
+            found[b] = 0.0
         return
     power = (away - radius) * (away + radius)
     for b in range(dx.shape[0]):
@@ -85,7 +86,8 @@ def _meet_rounded(edges: Floats, first: int, last: int, radius: float, dx: Float
         abreast = x * ny - y * nx  # of the origin, along the edge from its first vertex
         if core + radius >= 0.0:
             if core <= 0.0 and 0.0 <= abreast <= length:
-                found[:] = 0.0
+                for b in range(found.shape[0]):
+                    found[b] = 0.0
             continue
         for b in range(dx.shape[0]):
             speed = dx[b] * nx + dy[b] * ny
@@ -94,7 +96,8 @@ def _meet_rounded(edges: Floats, first: int, last: int, radius: float, dx: Float
             met = (speed < 0.0) & (along >= 0.0) & (along <= length) & (distance < found[b])
             found[b] = distance if met else found[b]
     if inside:
-        found[:] = 0.0
+        for b in range(found.shape[0]):
+            found[b] = 0.0
 
 
 @part
@@ -131,7 +134,8 @@ def meet_body(
     bodies: Bodies, body: int, pose: Floats, x: float, y: float, edges: Floats, beams: Floats, start: int, stop: int
 ) -> None:
     """Write where beams start..stop-1 from the origin meet a body at (x, y) [m]; inf if they miss."""
-    beams[FOUND, start:stop] = math.inf
+    for b in range(start, stop):
+        beams[FOUND, b] = math.inf
     place_to_meet(bodies, body, pose, x, y, edges)
     base = bodies.vertex_first[bodies.part_first[body]]
     for piece in range(bodies.part_first[body], bodies.part_first[body + 1]):

@@ -61,7 +61,8 @@ class _Room(NamedTuple):
 def _sort_beams(cos_b: Floats, sin_b: Floats, into: SortedBeams) -> None:
     """Write beams (k,) in the order of their sectors, and at which of them each sector starts."""
     order, cos_s, sin_s, starts, scale = into
-    starts[:] = 0
+    for s in range(starts.shape[0]):
+        starts[s] = 0
     for k in range(cos_b.shape[0]):
         starts[bucket_of(cos_b[k], sin_b[k], 0.0, scale) + 1] += 1
     for s in range(len(starts) - 1):
@@ -275,7 +276,8 @@ def _cast_scan(
     beyond = 1.0 / (reach * (1.0 + 2.0 * SAFETY))
     bounded = lines.walls.shape[1] > 0 and count >= _FEW and reach > resolution
     if bounded:
-        nearness[:] = beyond
+        for k in range(nearness.shape[0]):
+            nearness[k] = beyond
         bounded = bound_scan(lines, x, y, cos_h, sin_h, reach, beams, room.blocks, room.away, room.rings, f, nearness)
     for first in range(0, count, LANES):
         now = min(LANES, count - first)

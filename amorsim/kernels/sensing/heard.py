@@ -93,5 +93,5 @@ def hear_nearest(near: Senders, mounts: Floats, range_max: Floats, out: Floats) 
             out[n, place, 4] = own_c * vy - own_s * vx
             out[n, place, 5] = near.reach[body]
         for place in range(count, slots):
-            out[n, place, :3] = math.inf
-            out[n, place, 3:] = 0.0
+            for value in range(6):
+                out[n, place, value] = math.inf if value < 3 else 0.0

@@ -83,7 +83,10 @@ def take_steps(first_row: int, end_row: int, program: Program, blocks: Ints, val
     each step draws from, or `MEDIANS`.
     """
     rows = program.counter.shape[0]
-    half = (program.sizes.max() + 1) // 2
+    most = 0
+    for d in range(program.sizes.shape[0]):
+        most = max(most, program.sizes[d])
+    half = (most + 1) // 2
     first = np.empty(half)
     second = np.empty(half)
     power = np.empty(half)
@@ -96,12 +99,14 @@ def take_steps(first_row: int, end_row: int, program: Program, blocks: Ints, val
         pairs_of = (k + 1) // 2
         for i in range(first_row, end_row):
             mine = out[begin + i * k : begin + (i + 1) * k]
-            mine[:] = values[begin + i * k : begin + (i + 1) * k]
+            for j in range(k):
+                mine[j] = values[begin + i * k + j]
             for s in range(first_step, program.ends[d]):
                 kind = program.kinds[s]
-                if kind in (SCATTER, REPLACE):
+                if kind == SCATTER or kind == REPLACE:  # noqa: SIM109 - compiles in a third of the time
                     if blocks[s] == MEDIANS:
-                        drawn[:k] = 0.0 if kind == SCATTER else 0.5
+                        for j in range(k):
+                            drawn[j] = 0.0 if kind == SCATTER else 0.5
                     else:
                         pairs(program.keys[s, i], program.counter, i, blocks[s], first[:pairs_of], second[:pairs_of])
                         if kind == SCATTER:
