@@ -16,7 +16,7 @@ from amorsim.contracts import MapLoader
 from amorsim.core.cell_lines import extent_of, wall_lines
 from amorsim.core.errors import MapError
 from amorsim.core.map import Map
-from amorsim.core.parameters import parameter
+from amorsim.core.parameters import LARGEST, SMALLEST, parameter
 from amorsim.maps.drawing import Drawing, chord_error
 from amorsim.maps.svg_xml import Viewport, length, local, parse_svg, prepare
 
@@ -81,6 +81,8 @@ class Svg(MapLoader):
         box = _view_box(root)
         remarks: list[str] = []
         unit = self._unit_of(root, box, remarks)
+        if not SMALLEST <= unit <= LARGEST:
+            raise MapError(f"a unit of its viewBox would be {unit:g} m long; expected a width and a viewBox that fit")
         found = set() if not self.layers else _keep_layers(root, set(self.layers))
         if missing := set(self.layers) - found:
             raise MapError(f"it has no group of the id or label {', '.join(map(repr, sorted(missing)))}")

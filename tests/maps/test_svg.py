@@ -284,3 +284,10 @@ def test_a_compressed_drawing_is_named_as_such(tmp_path: Path) -> None:
     path.write_bytes(gzip.compress(b"<svg/>"))
     with pytest.raises(MapError, match="it is compressed; save it as plain SVG, or unpack it with gunzip"):
         Svg().load(path)
+
+
+@pytest.mark.parametrize("width", ["1e-320", "1e300"])
+def test_a_unit_that_no_drawing_has_is_refused(tmp_path: Path, width: str) -> None:
+    path = written(tmp_path, '<circle cx="2" cy="3" r="1"/>', f'width="60mm" height="50mm" viewBox="0 0 {width} 50"')
+    with pytest.raises(MapError, match="expected a width and a viewBox that fit"):
+        Svg().load(path)
