@@ -50,17 +50,15 @@ class Driver:
         `(N, 1)` whether the row is driven from outside, by the command `hand` `(N, c)`.
     """
 
-    _ARRAYS = ("active", "by_hand", "hand")
-
-    def __init__(self, channels: Sequence[str], of_drive: int, draws: Draws, whose: Whose) -> None:
+    def __init__(self, rows: int, channels: Sequence[str], of_drive: int, draws: Draws, whose: Whose) -> None:
         self._channels = channels
         self._of_drive = of_drive  # number of channels of the drive
         self._draws = draws
         self._whose = whose
         self.controller: Controller | None = None
         self.state: State = {}
-        self.hand = np.zeros((0, len(channels)))
-        self.active = self.by_hand = np.zeros((0, 1), dtype=bool)
+        self.hand = np.zeros((rows, len(channels)))
+        self.active, self.by_hand = np.ones((rows, 1), dtype=bool), np.zeros((rows, 1), dtype=bool)
 
     def set_parameters(self, nominal: Sequence[Robot]) -> None:
         """Take the parameters of every row."""
@@ -69,9 +67,7 @@ class Driver:
 
     def start(self, context: Context) -> None:
         """Start an episode in every row, driven by its controller."""
-        self.active = np.ones((context.rows, 1), dtype=bool)
-        self.by_hand = np.zeros((context.rows, 1), dtype=bool)
-        self.hand = np.zeros((context.rows, len(self._channels)))
+        self.active[:], self.by_hand[:], self.hand[:] = True, False, 0.0
         self.state = {}
         if self.controller is not None:
             try:
@@ -81,17 +77,12 @@ class Driver:
 
     def hand_over(self, row: int, to_hand: bool) -> None:
         """Drive a row from outside from now on, at rest at first, or by its controller again, which may have ended."""
-        self.by_hand = self.by_hand.copy()
-        self.by_hand[row] = to_hand
-        self.hand = self.hand.copy()
-        self.hand[row] = 0.0
+        self.by_hand[row], self.hand[row] = to_hand, 0.0
         if not to_hand:
-            self.active = self.active.copy()
             self.active[row] = True
 
     def end(self, row: int) -> None:
         """Stop a row from now on."""
-        self.active = self.active.copy()
         self.active[row] = False
 
     def bind(
@@ -238,16 +229,9 @@ class Driver:
             raise self._whose.wrong("controller", controller, problem)
         return found
 
-    # ------------------------------------------------------------------------------------ for snapshots and resets
-
     def arrays(self) -> dict[str, npt.NDArray[Any]]:
-        """The engine's own arrays that change; do not write into them."""
-        return {name: getattr(self, name) for name in self._ARRAYS}
-
-    def set_arrays(self, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
-        """Restore what `arrays` returned."""
-        for name in self._ARRAYS:
-            setattr(self, name, arrays[name])
+        """The engine's own arrays that change."""
+        return {"active": self.active, "by_hand": self.by_hand, "hand": self.hand}
 
 
 def report_problem(report: Any, rows: int) -> str:

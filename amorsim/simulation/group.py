@@ -120,7 +120,7 @@ class Group:
         self.channels = channels_of(first)
         self.command = np.zeros((self.rows, len(self.channels)))
         draws = self.streams.draws("controller")
-        self.driver = Driver(self.channels, len(first.drive.channels), draws, self.whose)
+        self.driver = Driver(self.rows, self.channels, len(first.drive.channels), draws, self.whose)
         self.rolling = np.flatnonzero([joint.rolls for joint in first.drive.joints])
         self.parts: Parts | None = None
         self.set_parameters()
@@ -466,14 +466,10 @@ class Group:
                 found[f"sensor {name} noise {element}"] = state
         return found
 
-    _ARRAYS = (
-        *("true_pose", "true_twist", "joints", "joints_before", "joint_rates", "command"),
-        "fingerprint",
-    )
-
     def arrays(self) -> dict[str, Arrays]:
-        """The engine's own arrays that change, by unit and name; do not write into them."""
-        found: dict[str, Arrays] = {"body": {name: getattr(self, name) for name in self._ARRAYS}}
+        """The engine's own arrays that change, by unit and name; after writing into them, it is to be bound again."""
+        body = ("true_pose", "true_twist", "joints", "joints_before", "joint_rates", "command", "fingerprint")
+        found: dict[str, Arrays] = {"body": {name: getattr(self, name) for name in body}}
         for name, estimate in self.estimates.items():
             found[f"estimate {name}"] = {"pose": estimate.pose, "covariance": estimate.covariance}
         for name, unit in self.sensors.items():
@@ -482,17 +478,3 @@ class Group:
         if self.parts is not None:
             found["parts"] = self.parts.arrays()
         return found
-
-    def set_arrays(self, arrays: Mapping[str, Arrays]) -> None:
-        """Restore what `arrays` returned."""
-        for name in self._ARRAYS:
-            getattr(self, name)[...] = arrays["body"][name]
-        self.driver.set_arrays(arrays["driver"])
-        for name in self.estimates:
-            held = arrays[f"estimate {name}"]
-            self.estimates[name].pose[...], self.estimates[name].covariance[...] = held["pose"], held["covariance"]
-        for name, unit in self.sensors.items():
-            unit.set_arrays(arrays[f"sensor {name}"])
-        if self.parts is not None:
-            self.parts.set_arrays(arrays["parts"])
-        self.is_bound = False

@@ -239,7 +239,6 @@ class RobotHandle(_Handle):
                 f"{in_words(channels)}"
             )
         if self.is_by_hand:
-            group.driver.hand = group.driver.hand.copy()
             group.driver.hand[self._row] = rates
         else:
             group.driver.state["command"][self._row] = rates

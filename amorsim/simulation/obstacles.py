@@ -127,16 +127,11 @@ class ObstacleGroup:
             moves=self.motion is not None,
         )
 
-    _ARRAYS = ("true_pose", "true_twist", "free", "fingerprint")
-
     def arrays(self) -> dict[str, dict[str, npt.NDArray[Any]]]:
-        """The engine's own arrays that change; do not write into them."""
-        return {"body": {name: getattr(self, name) for name in self._ARRAYS}}
-
-    def set_arrays(self, arrays: Mapping[str, Mapping[str, npt.NDArray[Any]]]) -> None:
-        """Restore what `arrays` returned."""
-        for name in self._ARRAYS:
-            setattr(self, name, arrays["body"][name])
+        """The engine's own arrays that change."""
+        return {
+            "body": {name: getattr(self, name) for name in ("true_pose", "true_twist", "free", "fingerprint")},
+        }
 
     def states(self) -> Mapping[str, State]:
         """The state of the motion; the dict itself, not a copy."""

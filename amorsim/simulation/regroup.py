@@ -90,14 +90,13 @@ def _first_rows(group: Group) -> list[int]:
 
 def _carry(source: Group | ObstacleGroup, from_rows: Any, group: Group | ObstacleGroup, rows: Any) -> None:
     """Give rows of a group what changes of rows of another one, wherever it has the same form."""
-    arrays: Any = {unit: dict(held) for unit, held in group.arrays().items()}
+    arrays = group.arrays()
     for unit, held in source.arrays().items():
         fits = _is_alike(held, arrays[unit])
         for name, array in held.items():
             # Samples that wait for another longest delay do not fit; the reading at hand stays.
             if name in arrays[unit] and (fits or not name.startswith(".")):
-                arrays[unit][name] = _with_rows(arrays[unit][name], rows, array[from_rows])
-    group.set_arrays(arrays)
+                arrays[unit][name][rows] = array[from_rows]
     others = _other_elements(source, group)
     states = group.states()
     for where, state in source.states().items():

@@ -148,28 +148,16 @@ def put_back(fleet: Fleet, snapshot: Snapshot, which: Bools) -> None:
             group.specified = list(held.specified)
             group.set_parameters()
         rows = which[fleet.world.replica_index[group.bodies]]
-        now = group.arrays()
-        group.set_arrays(
-            {
-                unit: {name: _merge(rows, array, now[unit][name]) for name, array in arrays.items()}
-                for unit, arrays in held.arrays.items()
-            }
-        )
+        for unit, arrays in group.arrays().items():
+            for name, array in arrays.items():
+                array[rows] = held.arrays[unit][name][rows]
         for where, state in group.states().items():
-            _merge_state(rows, where, held.states[where], state)  # so the group is bound again
+            for name, array in copy_state(where, held.states[where]).items():
+                state[name] = np.where(rows.reshape(len(rows), *([1] * (array.ndim - 1))), array, state[name])
+        if isinstance(group, Group):
+            group.is_bound = False
     fleet.place()
     fleet.tell_time()
-
-
-def _merge(rows: Bools, yes: npt.NDArray[Any], no: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    if rows.all():
-        return yes.copy()
-    return np.where(rows.reshape(len(rows), *([1] * (yes.ndim - 1))), yes, no)
-
-
-def _merge_state(rows: Bools, where: str, held: Arrays, state: Arrays) -> None:
-    for name, array in copy_state(where, held).items():
-        state[name] = _merge(rows, array, state[name])
 
 
 def _copy_arrays(arrays: Mapping[str, Mapping[str, npt.NDArray[Any]]]) -> dict[str, Arrays]:

@@ -7,7 +7,7 @@ the search for contact treats it like any body. If any part of a robot touches s
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, Protocol
 
 import attrs
@@ -123,16 +123,9 @@ class Parts:
         self.twists = logarithm(relative(self.poses, poses)) / self._group.dt
         self.poses = poses
 
-    _ARRAYS = ("poses", "twists")
-
     def arrays(self) -> dict[str, npt.NDArray[Any]]:
-        """All arrays that change; not to be changed."""
-        return {name: getattr(self, name) for name in self._ARRAYS}
-
-    def set_arrays(self, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
-        """Restore what `arrays` gave."""
-        for name in self._ARRAYS:
-            setattr(self, name, arrays[name])
+        """All arrays that change."""
+        return {"poses": self.poses, "twists": self.twists}
 
 
 def with_parts(world: World, bodies: Sequence[Robot | Obstacle], replicas: Sequence[int], seed: int) -> Array:

@@ -329,17 +329,15 @@ class Device:
         return Measurement(self.measured, self.stamp, self.age, self.fresh)
 
     def arrays(self) -> dict[str, npt.NDArray[Any]]:
-        """The device's own arrays, by name, without the states of components; do not write into them."""
-        under_way = {} if self._under_way is None else self._under_way._asdict()
-        return {name: getattr(self, name) for name in _HELD} | {f".{name}": held for name, held in under_way.items()}
+        """The device's own arrays that change, by name, without the states of components.
 
-    def set_arrays(self, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
-        """Put the arrays of `arrays` back."""
-        if self._under_way is not None:
-            for name, held in self._under_way._asdict().items():
-                held[...] = arrays[f".{name}"]
-        for name in _HELD[:2] if self.is_prompt else _HELD:
-            getattr(self, name)[...] = arrays[name]
+        Of a prompt one, what tells the time is the clock's, and here in copies.
+        """
+        found = {name: getattr(self, name) for name in _HELD}
+        if self.is_prompt:
+            found |= {name: found[name].copy() for name in _HELD[2:]}
+        under_way = {} if self._under_way is None else self._under_way._asdict()
+        return found | {f".{name}": held for name, held in under_way.items()}
 
 
 def place_mounts(devices: Sequence[Device], true_pose: Array) -> Callable[[], None]:
