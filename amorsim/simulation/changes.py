@@ -17,7 +17,6 @@ from amorsim.scenario.chains import read_elements, tables_of, with_chain
 from amorsim.scenario.paths import with_value
 from amorsim.scenario.spec import Robot
 from amorsim.simulation.alike import group_key
-from amorsim.simulation.events import Event
 from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.group import Group
 from amorsim.simulation.handle import RobotHandle
@@ -57,7 +56,7 @@ def move(fleet: Fleet, moves: Sequence[tuple[RobotHandle, tuple[float, ...]]], k
         group.zones.put(row)
         fleet.place()
         fleet.part_from_all(int(bodies[0]))
-        _log(fleet, handle, kind, "pose", pose)
+        fleet.log(group, row, kind, path="pose", value=pose)
 
 
 def set_parameter(fleet: Fleet, handles: Sequence[RobotHandle], path: str, value: Any) -> None:
@@ -84,7 +83,7 @@ def set_parameter(fleet: Fleet, handles: Sequence[RobotHandle], path: str, value
                 reason = f"{in_words(value)} would be out of bounds; with it, {reason}"
             raise AmorsimError(f"robot {handles[0].name!r}, {path}: {reason}") from None
     for handle in handles:
-        _log(fleet, handle, "parameter_set", path, value)
+        fleet.log(handle._group, handle._row, "parameter_set", path=path, value=value)
 
 
 def with_other_chain(fleet: Fleet, name: str, path: str, given: Any) -> Fleet:
@@ -98,8 +97,7 @@ def with_other_chain(fleet: Fleet, name: str, path: str, given: Any) -> Fleet:
     except (ComponentError, ScenarioError) as error:
         raise AmorsimError(f"robot {name!r}, {path}: {error}") from None
     for index in range(len(changed.replicas)):
-        handle = RobotHandle(lambda: changed, changed.body_of(name, index))
-        _log(changed, handle, "parameter_set", path, tables)
+        changed.log(*changed.robot_row(name, index), "parameter_set", path=path, value=tables)
     return changed
 
 
@@ -115,7 +113,7 @@ def hand_over(fleet: Fleet, handle: RobotHandle, to: str) -> None:
         return
     driver.hand_over(handle._row, to == "hand")
     fleet.part_from_all(int(handle._group.bodies[handle._row]))
-    _log(fleet, handle, "handed_over", "driver", to)
+    fleet.log(handle._group, handle._row, "handed_over", path="driver", value=to)
 
 
 def _move_parts(fleet: Fleet, group: Group, rows: Sequence[int]) -> None:
@@ -133,18 +131,3 @@ def _move_parts(fleet: Fleet, group: Group, rows: Sequence[int]) -> None:
     for row, parts in zip(rows, moved, strict=True):
         group.parts.put(row, parts)
     fleet.place()
-
-
-def _log(fleet: Fleet, handle: RobotHandle, kind: str, path: str, value: Any) -> None:
-    tick = int(fleet.ticks[fleet.replicas.index(handle.replica)])
-    fleet.events.append(
-        Event(
-            tick=tick,
-            time=tick * fleet.dt,
-            replica=handle.replica,
-            kind=kind,
-            name=handle.name,
-            path=path,
-            value=value,
-        )
-    )

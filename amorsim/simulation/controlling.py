@@ -81,6 +81,10 @@ class Driver:
         if not to_hand:
             self.active[row] = True
 
+    def is_driving(self, row: int) -> bool:
+        """Whether a row's controller has not ended, and nobody drives the row from outside."""
+        return bool(self.active[row, 0] and not self.by_hand[row, 0])
+
     def end(self, row: int) -> None:
         """Stop a row from now on."""
         self.active[row] = False
@@ -199,7 +203,7 @@ class Driver:
         for report in found:
             if problem := report_problem(report, len(self.active)):
                 raise self._whose.wrong("controller", controller, problem)
-        return [report for report in found if self.active[report[0], 0] and not self.by_hand[report[0], 0]]
+        return [report for report in found if self.is_driving(report[0])]
 
     @property
     def can_report(self) -> bool:

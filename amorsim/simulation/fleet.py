@@ -218,6 +218,19 @@ class Fleet:
             group.row_clock.advance()
             group.streams.rewind()
 
+    def log(self, group: Group | ObstacleGroup, row: int, kind: str, fraction: float = 0.0, **fields: Any) -> None:
+        """Append an event of a robot or an obstacle: now, or at a fraction of the step that is being made."""
+        index = int(self.world.replica_index[group.bodies[row]])
+        tick = int(self.ticks[index])
+        time, replica, name = (tick + fraction) * self.dt, self.replicas[index], group.names[row]
+        self.events.append(Event(tick=tick, time=time, replica=replica, kind=kind, name=name, **fields))
+
+    def end_controller(self, group: Group, row: int, fraction: float = 0.0) -> None:
+        """Let a robot stand still from now on; if it has a controller, that is an event."""
+        group.driver.end(row)
+        if group.driver.controller is not None:
+            self.log(group, row, "controller_ended", fraction)
+
     def part_from_all(self, body: int) -> None:
         """End all contacts of a robot and its parts: touching the same body again is a new collision."""
         owner = self.world.owner

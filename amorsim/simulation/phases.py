@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 from collections.abc import Iterator, Sequence
 
-import attrs
 import numpy as np
 import numpy.typing as npt
 
@@ -14,7 +13,6 @@ from amorsim.simulation.blame import is_finite
 from amorsim.simulation.contact.contact_ends import still_near
 from amorsim.simulation.contact.resolve import WALL, Contact
 from amorsim.simulation.emissions import collect
-from amorsim.simulation.events import Event
 from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.group import Group
 from amorsim.simulation.obstacles import ObstacleGroup
@@ -84,24 +82,7 @@ def first_look(fleet: Fleet) -> None:
 
 def _log_reports(fleet: Fleet, group: Group) -> None:
     for row, word, value in group.driver.reports():
-        _log_report(fleet, group, row, word, value)
-
-
-def _log_report(fleet: Fleet, group: Group, row: int, word: str, value: object) -> None:
-    """Log what a controller reports of a robot."""
-    index = int(fleet.world.replica_index[group.bodies[row]])
-    tick = int(fleet.ticks[index])
-    fleet.events.append(
-        Event(
-            tick=tick,
-            time=tick * fleet.dt,
-            replica=fleet.replicas[index],
-            kind="report",
-            name=group.names[row],
-            path=word,
-            value=value,
-        )
-    )
+        fleet.log(group, row, "report", path=word, value=value)
 
 
 def _move(fleet: Fleet) -> None:
@@ -137,30 +118,13 @@ def _not_finite(fleet: Fleet, poses: Array) -> AmorsimError:
 
 
 def _log_failures(fleet: Fleet, group: Group) -> None:
+    """Log an event for each estimator whose numbers exploded, and one for a controller that ends by it."""
     for name, row, ends in group.estimators.failures():
-        _log_failure(fleet, group, name, row, ends)
-
-
-def _log_failure(fleet: Fleet, group: Group, name: str, row: int, ends: bool) -> None:
-    """Log an event for an estimator whose numbers exploded, and one for a controller that ends by it."""
-    index = int(fleet.world.replica_index[group.bodies[row]])
-    tick = int(fleet.ticks[index])
-    event = Event(
-        tick=tick,
-        time=tick * fleet.dt,
-        replica=fleet.replicas[index],
-        kind="estimator_failed",
-        name=group.names[row],
-        path=f"estimators.{name}",
-    )
-    is_driving = group.driver.active[row, 0] and not group.driver.by_hand[row, 0]
-    if not ends:
-        fleet.events.append(event)
-    elif is_driving:
-        fleet.events.append(event)
-        group.driver.end(row)
-        if group.driver.controller is not None:
-            fleet.events.append(attrs.evolve(event, kind="controller_ended", path=""))
+        if ends and not group.driver.is_driving(row):
+            continue
+        fleet.log(group, row, "estimator_failed", path=f"estimators.{name}")
+        if ends:
+            fleet.end_controller(group, row)
 
 
 def _speed(fleet: Fleet, group: Group | ObstacleGroup, row: int, body: int, contact: Contact) -> float:
@@ -176,33 +140,11 @@ def _log_contact(fleet: Fleet, contact: Contact) -> None:
     for body, other in ((contact.body, contact.other), (contact.other, contact.body)):
         if body == WALL:
             continue
-        name, part = world.whose(body)
+        _, part = world.whose(body)
         other_name, other_part = ("wall", "") if other == WALL else world.whose(other)
-        index = int(world.replica_index[body])
-        tick = int(fleet.ticks[index])
         group, row = fleet.row_of(int(world.owner[body]))
-        event = Event(
-            tick=tick,
-            time=(tick + contact.fraction) * fleet.dt,
-            replica=fleet.replicas[index],
-            kind="collision",
-            name=name,
-            other=other_name,
-            part=part,
-            other_part=other_part,
-            point=contact.point,
-            speed=_speed(fleet, group, row, body, contact),
-        )
-        fleet.events.append(event)
-        if (
-            isinstance(group, Group)
-            and group.ends_on_collision
-            and group.driver.active[row, 0]
-            and not group.driver.by_hand[row, 0]
-        ):
-            group.driver.end(row)
-            if group.driver.controller is not None:
-                ended = attrs.evolve(
-                    event, kind="controller_ended", other="", part="", other_part="", point=None, speed=None
-                )
-                fleet.events.append(ended)
+        met = {"other": other_name, "part": part, "other_part": other_part, "point": contact.point}
+        speed = _speed(fleet, group, row, body, contact)
+        fleet.log(group, row, "collision", contact.fraction, **met, speed=speed)
+        if isinstance(group, Group) and group.ends_on_collision and group.driver.is_driving(row):
+            fleet.end_controller(group, row, contact.fraction)
