@@ -208,7 +208,7 @@ def place_of(given: Sequence[float], what: str) -> tuple[float, float, float | N
     """
     try:
         numbers = np.asarray(given, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         numbers = np.empty(0)
     if numbers.shape not in ((2,), (3,)) or not np.isfinite(numbers).all():
         raise PlanError(

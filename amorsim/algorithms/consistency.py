@@ -14,8 +14,8 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.core.arguments import real, whole
-from amorsim.core.parameters import ParameterError
+from amorsim.core.arguments import is_numeric, real, whole
+from amorsim.core.parameters import LARGEST, ParameterError
 from amorsim.core.trouble import in_words
 
 __all__ = ["Consistency", "chi_squared_band", "nees", "nis", "verdict"]
@@ -96,11 +96,13 @@ def verdict(values: Array, degrees: int, *, confidence: float = 0.95) -> Consist
         If `degrees` is below 1, or `confidence` is not between 0 and 1.
     """
     degrees = whole(degrees, "degrees", "a whole number >= 1")
-    if degrees < 1 or not 0.0 < real(confidence, "confidence", "a number between 0 and 1") < 1.0:
-        raise ValueError(f"expected degrees >= 1 and 0 < confidence < 1, got {degrees!r} and {confidence!r}")
+    if not 1 <= degrees <= LARGEST or not 0.0 < real(confidence, "confidence", "a number between 0 and 1") < 1.0:
+        got = f"{in_words(degrees)} and {in_words(confidence)}"
+        problem = f"expected degrees >= 1 and <= {LARGEST:g}, 0 < confidence < 1, got {got}"
+        raise ParameterError("degrees, confidence", problem)
     try:
         there = np.asarray(values, dtype=np.float64).ravel()
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ParameterError("values", f"expected numbers, got {in_words(values)}") from None
     there = there[~np.isnan(there)]
     if not len(there):
@@ -132,12 +134,15 @@ def chi_squared_band(degrees: int, count: int = 1, confidence: float = 0.95) -> 
 
 def _normalised(vectors: Array, covariances: Array) -> Array:
     """V' C^-1 v by Cholesky, one number after another, so that no row depends on how many there are."""
+    for name, given in (("vectors", vectors), ("covariances", covariances)):
+        if not is_numeric(given):
+            raise ParameterError(name, f"expected numbers, got {in_words(given)}")
     vectors, covariances = np.asarray(vectors), np.asarray(covariances)
     size = vectors.shape[-1] if vectors.ndim else 0
     if vectors.dtype.kind not in "fiu" or covariances.dtype.kind not in "fiu" or covariances.shape[-2:] != (size, size):
-        raise ValueError(
-            f"expected numbers (..., d) with covariances (..., d, d), got those of the shapes {vectors.shape} and "
-            f"{covariances.shape}"
+        shapes = f"{vectors.shape} and {covariances.shape}"
+        raise ParameterError(
+            "covariances", f"expected vectors (..., d) with covariances (..., d, d), got those of the shapes {shapes}"
         )
     lower: list[list[Array]] = []
     solved: list[Array] = []

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.arguments import numbers
+from amorsim.core.parameters import ParameterError
 
 __all__ = ["holm", "paired_effect"]
 
@@ -22,7 +23,7 @@ def paired_effect(differences: Array) -> float:
     """
     differences = numbers(differences, "differences", ("n",))
     if not len(differences):
-        raise ValueError("expected one difference at least, got none")
+        raise ParameterError("differences", "expected one at least, got none")
     if len(differences) == 1:
         return math.nan
     mean = float(np.mean(differences))

@@ -92,7 +92,7 @@ def map_scores(
         raise ParameterError("margin", f"expected {between}, got {margin:g}")
     values = probability[~np.isnan(probability)]
     if ((values < 0.0) | (values > 1.0)).any():
-        raise ValueError("expected probabilities between 0 and 1")
+        raise ParameterError("probability", "expected numbers between 0 and 1")
     known = (true == 0) | (true == 1)
     is_wall = true == 1
     with np.errstate(invalid="ignore"):

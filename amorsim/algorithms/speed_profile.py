@@ -43,7 +43,10 @@ def pieces_of(path: ArrayLike) -> Pieces:
     PlanError
         If the path is not of finite numbers, or has no point.
     """
-    poses = np.asarray(path, np.float64)
+    try:
+        poses = np.asarray(path, np.float64)
+    except (TypeError, ValueError, OverflowError):
+        poses = np.empty(0)
     if poses.ndim != 2 or poses.shape[1] not in (2, 3) or len(poses) == 0 or not np.isfinite(poses).all():
         raise PlanError(f"the path has shape {poses.shape}; expected points (M, 2) or poses (M, 3), finite numbers")
     steps = np.diff(poses[:, :2], axis=0)

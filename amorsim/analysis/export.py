@@ -8,7 +8,7 @@ from pathlib import Path
 
 from amorsim.analysis.files import RunFiles
 from amorsim.analysis.trajectory import run_trajectories, write_csv, write_kitti, write_tum
-from amorsim.core.arguments import path_of
+from amorsim.core.arguments import checked, path_of
 from amorsim.core.errors import AnalysisError
 from amorsim.core.whole_files import replacing
 from amorsim.runs.folder import tables_of
@@ -20,6 +20,7 @@ FORMATS = ("tum", "kitti", "csv", "parquet", "mcap", "rosbag")
 _WRITERS: Mapping[str, Callable[..., None]] = {"tum": write_tum, "kitti": write_kitti, "csv": write_csv}
 
 
+@checked
 def export_run(
     run: str | os.PathLike[str],
     kind: str,

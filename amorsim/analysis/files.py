@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.core.arguments import path_of
+from amorsim.core.arguments import checked, path_of
 from amorsim.core.errors import RunError
 from amorsim.core.unknown_names import no_such
 from amorsim.runs.about import RUN_FOLDER, read_about, scenario_of
@@ -82,6 +82,7 @@ class RunFiles:
         """The replica and the robot of each row of `arrays`: in the order of `replicas`, then of the robots' names."""
         return [(replica, robot) for replica in self.replicas for robot in self.robots]
 
+    @checked
     def table(self, name: str, *, robot: str | None = None, replica: int | Literal["all"] | None = None) -> Table:
         """The columns of ``<name>.csv`` `(lines,)`, of all robots or of one, in one replica or in all.
 
@@ -117,6 +118,7 @@ class RunFiles:
             chosen = np.arange(len(robots))[robots == robot] if isinstance(chosen, slice) else chosen[robots == robot]
         return {key: values[chosen] for key, values in columns.items()}
 
+    @checked
     def arrays(self, name: str, *, robot: str | None = None) -> Table:
         """All replicas of a file at once, as arrays ``(steps, N, ...)`` with a row for each robot of each replica.
 
@@ -174,6 +176,7 @@ class RunFiles:
         return found
 
     @staticmethod
+    @checked
     def joints(velocities: Table) -> list[str]:
         """The names of the joints in the columns of ``velocities.csv``."""
         body = {f"true_{key}" for key in _TWIST}

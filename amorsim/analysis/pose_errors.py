@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Annotated
 
 import attrs
 import numpy as np
@@ -23,7 +24,7 @@ from amorsim.algorithms.trajectories import (
     umeyama,
 )
 from amorsim.analysis.trajectory import Trajectory
-from amorsim.core.arguments import check_kind, check_text, numbers, real
+from amorsim.core.arguments import check_kind, check_text, checked, numbers, real
 from amorsim.core.errors import AnalysisError
 from amorsim.core.parameters import ParameterError
 from amorsim.core.trouble import in_words
@@ -52,6 +53,7 @@ class Statistics:
     @classmethod
     def of(cls, errors: Array) -> Statistics:
         """Those of errors `(n,)`; nan if there are none."""
+        errors = numbers(errors, "errors", ("n",))
         if not len(errors):
             return cls(**dict.fromkeys(("rmse", "mean", "median", "std", "min", "max"), math.nan), count=0)
         return cls(
@@ -134,6 +136,7 @@ class PoseErrors:
         return [(number * width, Statistics.of(self.position[bins == number])) for number in np.unique(bins).tolist()]
 
 
+@checked
 def ape(
     reference: Trajectory,
     estimate: Trajectory,
@@ -174,6 +177,7 @@ def ape(
     )
 
 
+@checked
 def rpe(
     reference: Trajectory,
     estimate: Trajectory,
@@ -236,7 +240,10 @@ def rpe(
     )
 
 
-def relation_errors(estimate: Trajectory, relations: npt.ArrayLike, *, most_apart: float = 0.05) -> PoseErrors:
+@checked
+def relation_errors(
+    estimate: Trajectory, relations: npt.ArrayLike, *, most_apart: Annotated[float, "a number of seconds"] = 0.05
+) -> PoseErrors:
     """The errors of an estimated trajectory in known relations between its poses (Kümmerle et al. 2009).
 
     For data without a true trajectory, experts have said how far apart the robot was at two times, from scans matched

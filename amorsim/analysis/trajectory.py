@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.analysis.files import RunFiles
-from amorsim.core.arguments import check_kind, path_of
+from amorsim.core.arguments import check_kind, checked, path_of
 from amorsim.core.errors import AnalysisError, RunError
 from amorsim.core.reading import read_bytes, reason
 from amorsim.core.unknown_names import no_such
@@ -37,6 +37,7 @@ _CSV = ("time", "x", "y", "heading")
 _ROUNDED = 1e-3  # what rounding to a few digits may do to the length of a quaternion; it is read as it is written
 
 
+@checked
 @attrs.frozen(kw_only=True, eq=False)
 class Trajectory:
     """Poses over time.
@@ -80,6 +81,7 @@ class Trajectory:
         return f"<{self.name}: {len(self)} poses from {self.time[0]:g} to {self.time[-1]:g} s>"
 
 
+@checked
 def run_trajectories(
     run: str | os.PathLike[str] | RunFiles,
     *,
@@ -138,6 +140,7 @@ def read_tum(path: str | os.PathLike[str]) -> Trajectory:
     return Trajectory(time=table[:, 0], poses=np.column_stack((table[:, 1:3], heading)), name=str(path))
 
 
+@checked
 def read_kitti(
     path: str | os.PathLike[str], times: str | os.PathLike[str] | None = None, *, plane: str = "xy"
 ) -> Trajectory:
@@ -242,6 +245,7 @@ def yaw(x: float, y: float, z: float, w: float) -> float:
 # ------------------------------------------------------------------------------------------------------------- writing
 
 
+@checked
 def write_tum(trajectory: Trajectory, path: str | os.PathLike[str], *, within: Path | None = None) -> None:
     """Write a trajectory in the format of the TUM benchmark, z = 0; `read_tum` reads the same poses, but for rounding.
 
@@ -264,6 +268,7 @@ def write_tum(trajectory: Trajectory, path: str | os.PathLike[str], *, within: P
     )
 
 
+@checked
 def write_kitti(trajectory: Trajectory, path: str | os.PathLike[str], *, within: Path | None = None) -> None:
     """Write a trajectory in KITTI's format, in the plane xy; times are lost. As `write_tum`."""
 
@@ -274,6 +279,7 @@ def write_kitti(trajectory: Trajectory, path: str | os.PathLike[str], *, within:
     _write(path, trajectory, row, within=within)
 
 
+@checked
 def write_csv(trajectory: Trajectory, path: str | os.PathLike[str], *, within: Path | None = None) -> None:
     """Write a trajectory as ``time,x,y,heading`` [s, m, m, rad], to the bit. As `write_tum`."""
     _write(path, trajectory, lambda *row: row, ",".join(_CSV) + "\n", ",", within=within)

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import collections.abc
+import functools
+import inspect
 import math
 import os
-from collections.abc import Iterable, Mapping
+import sys
+import types
+import typing
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Any, TypeGuard
+from typing import Annotated, Any, Literal, TypeGuard, TypeVar, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -14,9 +20,186 @@ import numpy.typing as npt
 from amorsim.core.parameters import ParameterError
 from amorsim.core.trouble import in_words
 
-__all__ = ["check_kind", "check_text", "is_real", "numbers", "path_of", "real", "texts", "whole"]
+__all__ = [
+    "check_kind",
+    "check_text",
+    "checked",
+    "is_list",
+    "is_numeric",
+    "is_real",
+    "numbers",
+    "path_of",
+    "real",
+    "texts",
+    "whole",
+]
 
 Array = npt.NDArray[np.float64]
+F = TypeVar("F", bound=Callable[..., Any])
+
+_MOST = 1000  # elements of a list that are looked at
+
+
+def checked(function: F) -> F:
+    """Refuse arguments of a public function that are not what its annotations say, before it begins.
+
+    On a class it checks those of its constructor. A `float` is a number, also one of NumPy's; an `int` is whole; an
+    array is anything that makes one of numbers. ``Annotated[int, "a number of threads >= 1"]`` says in words what is
+    expected. What an annotation cannot say, as a bound, the function checks itself. It costs some microseconds a call,
+    so it is for what scripts call, not for what a step calls.
+
+    Raises
+    ------
+    ParameterError
+        From the function, with the argument's name, what was given and what is expected.
+    """
+    if inspect.isclass(function):
+        setattr(function, "__init__", _checked(function.__init__, function.__module__))  # noqa: B010 - mypy forbids both
+        return cast(F, function)
+    return cast(F, _checked(function, function.__module__))
+
+
+def _checked(function: Callable[..., Any], module: str) -> Callable[..., Any]:
+    signature = inspect.signature(function)
+    kinds: dict[str, Any] = {}
+
+    @functools.wraps(function)
+    def call(*args: Any, **kwargs: Any) -> Any:
+        if not kinds:  # at the first call, for a module may name classes that it imports later
+            kinds.update({name: _kind_of(one, module) for name, one in signature.parameters.items()})
+        for name, value in signature.bind(*args, **kwargs).arguments.items():
+            if not _fits(value, kinds[name]):
+                as_list = f", as [{in_words(value)}]" if isinstance(value, str) and _fits([value], kinds[name]) else ""
+                raise ParameterError(name, f"expected {_in_words(kinds[name])}{as_list}, got {in_words(value)}")
+        return function(*args, **kwargs)
+
+    return call
+
+
+def _kind_of(parameter: inspect.Parameter, module: str) -> Any:
+    """What a parameter's annotation stands for; anything, where it has none or names what is not imported."""
+    if parameter.annotation is parameter.empty or parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD):
+        return Any
+    if not isinstance(parameter.annotation, str):
+        return parameter.annotation
+    try:
+        return eval(parameter.annotation, vars(sys.modules[module]))
+    except NameError:
+        return Any
+
+
+def _fits(value: object, kind: Any) -> bool:
+    """Whether a value is what an annotation says."""
+    origin, inner = typing.get_origin(kind), typing.get_args(kind)
+    if kind is Any or kind is object or isinstance(kind, TypeVar):
+        return True
+    if kind is None or kind is types.NoneType:
+        return value is None
+    if _is_array(kind):
+        return is_numeric(value)
+    if origin in (typing.Union, types.UnionType):
+        return any(_fits(value, each) for each in inner)
+    if origin is Literal:
+        return isinstance(value, (str, int)) and value in inner
+    if origin is Annotated:
+        return _fits(value, inner[0])
+    if kind is float:
+        return _is_number(value)
+    if kind is int:
+        return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+    if kind is bool:
+        return isinstance(value, (bool, np.bool_))
+    if origin is tuple:
+        return _are_fitting(value, inner) if inner[-1] is not ... else _is_list_of(value, inner[0])
+    if origin in (collections.abc.Sequence, collections.abc.Iterable, collections.abc.Collection, list):
+        return _is_list_of(value, inner[0])
+    if origin in (collections.abc.Mapping, dict):
+        return isinstance(value, origin) and all(
+            _fits(key, inner[0]) and _fits(each, inner[1])
+            for _, (key, each) in zip(range(_MOST), value.items(), strict=False)
+        )
+    if origin is collections.abc.Callable:
+        return callable(value)
+    if origin is type:
+        return inspect.isclass(value)
+    kind = origin or kind
+    return not inspect.isclass(kind) or getattr(kind, "_is_protocol", False) or isinstance(value, kind)
+
+
+def _is_array(kind: Any) -> bool:
+    """Whether an annotation says an array of numbers; that of anything, ``NDArray[Any]``, is a class as others."""
+    if typing.get_origin(kind) is np.ndarray:
+        return bool(typing.get_args(kind)[1] != np.dtype[Any])
+    return bool(kind == npt.ArrayLike)
+
+
+def _is_number(value: object) -> bool:
+    """Whether it is a number that a float can hold, also nan or infinite."""
+    return is_real(value) or (isinstance(value, (float, np.floating)) and not math.isfinite(value))
+
+
+def is_numeric(value: object) -> bool:
+    """Whether it is a number or an array of numbers, or makes one."""
+    try:
+        return np.asarray(value).dtype.kind in "biuf"
+    except (TypeError, ValueError, OverflowError):
+        return False
+
+
+def _is_list_of(value: object, kind: Any) -> bool:
+    """Whether it is a list, or anything else to go through, and its first elements are of a kind; a text is none."""
+    return is_list(value) and (
+        not isinstance(value, collections.abc.Sized)
+        or all(_fits(each, kind) for _, each in zip(range(_MOST), value, strict=False))
+    )
+
+
+def is_list(value: object) -> TypeGuard[Iterable[Any]]:
+    """Whether it is a list, or anything else to go through, but a text or a table."""
+    if isinstance(value, np.ndarray):
+        return value.ndim > 0
+    return isinstance(value, Iterable) and not isinstance(value, (str, bytes, Mapping))
+
+
+def _are_fitting(value: object, kinds: tuple[Any, ...]) -> bool:
+    if not isinstance(value, (collections.abc.Sequence, np.ndarray)) or isinstance(value, (str, bytes)):
+        return False
+    return (
+        np.shape(value)[:1] == (len(kinds),)
+        if isinstance(value, np.ndarray)
+        else len(value) == len(kinds) and all(map(_fits, value, kinds))
+    )
+
+
+_WORDS = {float: "a number", int: "a whole number", str: "a text", bool: "True or False", None: "None"}
+
+
+def _in_words(kind: Any) -> str:
+    """What an annotation says, in words."""
+    origin, inner = typing.get_origin(kind), typing.get_args(kind)
+    if kind in (types.NoneType, None):
+        return "None"
+    if _is_array(kind):
+        return "an array of numbers"
+    if origin is Annotated:
+        return str(inner[1])
+    if origin in (typing.Union, types.UnionType):
+        *most, last = dict.fromkeys(map(_in_words, inner))
+        return f"{', '.join(most)} or {last}" if most else last
+    if origin is Literal:
+        return " or ".join(map(repr, inner))
+    if origin is tuple and inner[-1] is not ...:
+        return f"({', '.join(map(_in_words, inner))})"
+    if origin in (tuple, list, collections.abc.Sequence, collections.abc.Iterable, collections.abc.Collection):
+        return f"a list, each {_in_words(inner[0])}"
+    if origin in (collections.abc.Mapping, dict):
+        return f"a table from {_in_words(inner[0])} to {_in_words(inner[1])}"
+    if origin is collections.abc.Callable:
+        return "a function"
+    kind = origin or kind
+    if isinstance(kind, type) and issubclass(kind, os.PathLike):
+        return "a path"
+    return _WORDS.get(kind) or f"a {getattr(kind, '__name__', kind)}"
 
 
 def path_of(given: object, name: str, expected: str = "a path, as a text or a pathlib.Path") -> Path:
@@ -44,7 +227,7 @@ def texts(given: object, name: str, expected: str) -> tuple[str, ...]:
     """The texts of a list; `expected` says what they are, in the plural. One text alone is a mistake for a list."""
     if isinstance(given, str):
         raise ParameterError(name, f"expected a list of {expected}, as [{given!r}], got a text")
-    if not isinstance(given, Iterable) or isinstance(given, Mapping):
+    if not is_list(given):
         raise ParameterError(name, f"expected a list of {expected}, got {in_words(given)}")
     found = tuple(given)
     for each in found:
@@ -86,7 +269,7 @@ def numbers(given: Any, name: str, shape: tuple[int | str, ...]) -> Array:
     words = f"({', '.join(map(str, shape))}{',' if len(shape) == 1 else ''})"
     try:
         array = np.asarray(given, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ParameterError(name, f"expected numbers of the shape {words}, got {in_words(given)}") from None
     fits = len(array.shape) == len(shape) and all(
         isinstance(wanted, str) or wanted == size for wanted, size in zip(shape, array.shape, strict=True)

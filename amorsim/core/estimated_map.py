@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.core.arguments import check_kind
+from amorsim.core.arguments import check_kind, checked
 from amorsim.core.errors import MapError
 from amorsim.core.map import Map
 
 __all__ = ["estimated_map"]
 
 
+@checked
 def estimated_map(
     beliefs: Mapping[str, npt.NDArray[Any]], row: int = 0, *, occupied: float = 0.65, free: float = 0.35, name: str = ""
 ) -> Map:

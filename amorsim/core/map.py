@@ -10,6 +10,7 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from amorsim.core.arguments import checked, texts
 from amorsim.core.errors import MapError
 from amorsim.core.map_limits import refuse_not_finite, refuse_too_far, refuse_too_large, refuse_too_much_memory
 from amorsim.kernels.grid.draft import grid_from_array
@@ -128,7 +129,7 @@ class Map:
                 walls - np.tile(np.array(offset) * side, 2), int(rows), int(cols), side, grid=grid
             ),
             start=_start(start),
-            warnings=tuple(warnings),
+            warnings=texts(warnings, "warnings", "remarks"),
             name=name,
         )
 
@@ -184,7 +185,7 @@ class Map:
             origin=(place[0], place[1], place[2]),
             unknown=None if mask is None or not mask.any() else grid_from_array(mask, side),
             start=_start(start),
-            warnings=tuple(warnings),
+            warnings=texts(warnings, "warnings", "remarks"),
             name=name,
         )
 
@@ -268,6 +269,7 @@ class Map:
         last = np.ceil(edges[1:]).astype(np.int64) - 1
         return first, np.maximum(first, last)
 
+    @checked
     def occupied(self, points: ArrayLike) -> NDArray[np.bool_]:
         """Whether each of the points (M, 2) [m] of the world is in an occupied cell; nan and outside are."""
         places = np.ascontiguousarray(points, dtype=np.float64)
@@ -277,6 +279,7 @@ class Map:
         occupied_points(self.grid, *self.origin, places, out)
         return out
 
+    @checked
     def cast_rays(self, poses: ArrayLike, bearings: ArrayLike, range_max: float) -> NDArray[np.float64]:
         """Distance [m] along each beam to where it enters the first occupied cell, (N, k); inf beyond
         `range_max`.
@@ -375,7 +378,7 @@ def _outlines(grid: Grid, cells: NDArray[np.uint8]) -> SegmentIndex:
 def _resolution(given: float) -> float:
     try:
         side = float(given)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         side = math.nan
     if not (math.isfinite(side) and side > 0.0):
         raise MapError(f"resolution is {given!r}; expected a positive number of metres, such as 0.001")
@@ -385,7 +388,7 @@ def _resolution(given: float) -> float:
 def _numbers(given: ArrayLike, what: str) -> NDArray[np.float64]:
     try:
         return np.asarray(given, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise MapError(f"{what} are not numbers: {error}") from None
 
 

@@ -170,6 +170,9 @@ def parameter(
     field that is a component itself names its kind in `component` and is annotated with a contract, as `am.Planner`, or
     `am.Planner | None` where there may be none.
     """
+    for name, given in (("static", static), ("live", live), ("file", file)):
+        if not isinstance(given, bool):
+            raise ParameterError(name, f"expected True or False, got {in_words(given)}")
     metadata = {
         "unit": unit,
         "help": help,

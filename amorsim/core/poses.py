@@ -6,8 +6,9 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.core.arguments import numbers
+from amorsim.core.arguments import is_numeric, numbers
 from amorsim.core.parameters import ParameterError, parameter
+from amorsim.core.trouble import in_words
 from amorsim.kernels.kinematics import poses as kernels
 
 __all__ = ["Mount", "compose", "exponential", "logarithm", "relative", "wrap_angle"]
@@ -79,9 +80,9 @@ def relative(poses: Array, others: Array) -> Array:
 
 def wrap_angle(angles: Array) -> Array:
     """The same directions in [-pi, pi]; angles already there keep their bits."""
+    if not is_numeric(angles):
+        raise ParameterError("angles", f"expected numbers [rad], got {in_words(angles)}")
     angles = np.asarray(angles)
-    if angles.dtype.kind not in "fiu":
-        raise ParameterError("angles", f"expected numbers [rad], got those of the type {angles.dtype}")
     turns = np.floor((angles + np.pi) / (2.0 * np.pi))
     inside = np.abs(angles) <= np.pi
     return np.asarray(np.where(inside, angles, angles - 2.0 * np.pi * turns))

@@ -10,8 +10,10 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.core.arguments import checked
 from amorsim.core.numbers import is_number
-from amorsim.core.parameters import Parameter, describe
+from amorsim.core.parameters import Parameter, ParameterError, describe
+from amorsim.core.trouble import in_words
 
 __all__ = ["signature", "stack", "take"]
 
@@ -56,6 +58,7 @@ def signature(component: Any) -> Hashable:
     return tuple(parts)
 
 
+@checked
 def stack(components: Sequence[T]) -> T:
     """One component of the same class whose numbers are read-only arrays over the rows.
 
@@ -64,6 +67,9 @@ def stack(components: Sequence[T]) -> T:
     Everything else stays as it is and is equal in all rows (`signature`). The fields were checked when each row's own
     component was made.
     """
+    components = list(components)
+    if not components or not all(attrs.has(type(one)) for one in components):
+        raise ParameterError("components", f"expected one component at least, got {in_words(components)}")
     first = components[0]
     values = {}
     for name, parameter in describe(type(first)).items():

@@ -11,6 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
+from amorsim.core.arguments import checked
 from amorsim.core.errors import ShapeError
 from amorsim.kernels.collision.footprints import Bodies
 
@@ -29,6 +30,7 @@ LARGEST = 1e6
 """The largest distance [m] from its body's origin that a shape may reach."""
 
 
+@checked
 @attrs.frozen(cache_hash=True)
 class Shape:
     """A footprint in the frame of its body: convex parts, each rounded by one radius.
@@ -68,6 +70,7 @@ class Shape:
             )
 
     @classmethod
+    @checked
     def circle(cls, radius: float, *, x: float = 0.0, y: float = 0.0) -> Shape:
         """A disc of `radius` [m] around (x, y) [m] in the body's frame.
 
@@ -85,6 +88,7 @@ class Shape:
         return cls(vertices=(((x, y),),), radius=radius, border=border)
 
     @classmethod
+    @checked
     def rectangle(cls, length: float, width: float, *, x: float = 0.0, y: float = 0.0) -> Shape:
         """A rectangle, `length` [m] along x and `width` [m] along y, around (x, y) [m] in the body's frame.
 

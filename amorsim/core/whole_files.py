@@ -136,6 +136,8 @@ def new_file(name: str, parent: Path) -> Iterator[Path]:
 def _target(path: Path, within: Path | None) -> Path:
     """The file that is replaced; raises `OSError` if it cannot be."""
     if within is not None:
+        if not path.is_relative_to(within):
+            raise OSError(errno.EINVAL, f"it is not within {within}")
         make_folders(path.parent, within)
         if path.is_symlink():
             return path

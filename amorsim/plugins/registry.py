@@ -24,7 +24,9 @@ from amorsim.contracts import (
     Sensor,
     WorldGenerator,
 )
+from amorsim.core.arguments import checked
 from amorsim.core.errors import PluginError, did_you_mean
+from amorsim.core.reading import is_file
 from amorsim.core.trouble import RAISED
 from amorsim.core.unknown_names import no_such
 from amorsim.plugins.checks import check_class, check_name
@@ -156,14 +158,17 @@ class Registry:
         """Register a metric."""
         self._add("metric", name, cls)
 
+    @checked
     def robot(self, name: str, path: str | Path) -> None:
         """Register a robot: the path of its model, a TOML file."""
         self._add("robot", name, Path(path))
 
+    @checked
     def device(self, name: str, path: str | Path) -> None:
         """Register a device, a sensor with its figures and its noise: the path of its TOML file."""
         self._add("device", name, Path(path))
 
+    @checked
     def scenario(self, name: str, path: str | Path) -> None:
         """Register a scenario that can be run by name: the path of its TOML file."""
         self._add("scenario", name, Path(path))
@@ -195,16 +200,19 @@ class Registry:
         """The plugins that were loaded, in order."""
         return tuple(self._plugins)
 
+    @checked
     def entries(self, kind: str | None = None) -> tuple[Entry, ...]:
         """The registered entries, of one kind or of all, in the order of registration."""
         return tuple(entry for entry in self._entries.values() if kind in (None, entry.kind))
 
+    @checked
     def names(self, kind: str) -> tuple[str, ...]:
         """The names of a kind, sorted."""
         if kind not in self._names:
             self._names[kind] = tuple(sorted(name for of, name in self._entries if of == kind))
         return self._names[kind]
 
+    @checked
     def entry(self, kind: str, name: str) -> Entry:
         """The entry registered under a name.
 
@@ -218,6 +226,7 @@ class Registry:
             raise PluginError(no_such(kind.replace("_", " "), name, self.names(kind)))
         return found
 
+    @checked
     def get(self, kind: str, name: str) -> type[Any]:
         """The class of a component, imported and checked.
 
@@ -234,10 +243,12 @@ class Registry:
             self._classes[key] = cls
         return self._classes[key]
 
+    @checked
     def file(self, kind: str, name: str) -> Path:
         """The file of a registered robot or scenario; errors as for `entry`."""
         return Path(str(self.entry(kind, name).target))
 
+    @checked
     def name_of(self, kind: str, cls: type) -> str | None:
         """The name that a class is registered under, or None."""
         reference = f"{cls.__module__}:{cls.__qualname__}"
@@ -275,7 +286,7 @@ class Registry:
                 f"so give {entry.reference} another one."
             )
         if entry.kind in _FILES:
-            if not Path(str(entry.target)).is_file():
+            if not is_file(str(entry.target)):
                 raise PluginError(f"{entry}: expected a TOML file, but there is none at {entry.target}.")
         elif isinstance(entry.target, type):
             self._check(entry, entry.target)

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
-from amorsim.core.arguments import check_kind, check_text
+from amorsim.core.arguments import check_kind, check_text, checked
 from amorsim.core.errors import AmorsimError
 from amorsim.core.map import Map
 from amorsim.core.trouble import in_words
@@ -25,6 +25,7 @@ Array = npt.NDArray[np.float64]
 _POSES = ("true_pose", "estimated_pose")
 
 
+@checked
 def draw(
     what: Map | Scenario | Simulation,
     kept: Mapping[str, npt.NDArray[Any]] | None = None,

@@ -9,7 +9,7 @@ from typing import Any
 
 import attrs
 
-from amorsim.core.arguments import path_of
+from amorsim.core.arguments import checked, path_of
 from amorsim.core.errors import AmorsimError, RunError
 from amorsim.core.left_behind import temporary_folder
 from amorsim.runs.about import RUN_FOLDER, read_about, scenario_of
@@ -50,6 +50,7 @@ class Outcome:
         return "\n".join([head, *(f"note: {note}" for note in self.notes)])
 
 
+@checked
 def reproduce(folder: str | os.PathLike[str], *, progress: Callable[[float], None] | None = None) -> Outcome:
     """Run the content of a run's folder again: its scenario, its recorded commands by hand, its live changes.
 

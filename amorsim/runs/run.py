@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Sequence
 
+from amorsim.core.arguments import checked
 from amorsim.core.interrupt import Interrupt
 from amorsim.kernels.cache_folder import mark_warm
 from amorsim.runs.folder import new_folder
@@ -16,6 +17,7 @@ from amorsim.simulation.simulation import Simulation
 __all__ = ["RunSummary", "new_folder", "run"]
 
 
+@checked
 def run(
     scenario: Scenario | str | os.PathLike[str],
     folder: str | os.PathLike[str] | None = None,

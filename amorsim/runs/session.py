@@ -15,7 +15,7 @@ from typing import Any
 import attrs
 
 from amorsim.contracts import Recorder, RunInfo
-from amorsim.core.arguments import check_kind
+from amorsim.core.arguments import check_kind, checked
 from amorsim.core.errors import RunError
 from amorsim.core.trouble import in_words
 from amorsim.core.user_code import go_back, present_folder
@@ -87,6 +87,7 @@ def record(
     return RunSession(simulation, folder, duration=duration)
 
 
+@checked
 class RunSession:
     """A run that is being recorded; made by `record`. As a context manager it closes itself.
 
@@ -112,7 +113,7 @@ class RunSession:
         if simulation.ticks.any() or simulation._fleet.episodes.any():
             raise RunError("only a simulation in which no step was made can be recorded; make a new one")
         duration = scenario.duration if duration is None else duration
-        planned = steps_of(simulation, duration) if wanted_steps is None else wanted_steps
+        planned = steps_of(simulation, duration) if wanted_steps is None else int(wanted_steps)
         scenario = attrs.evolve(scenario, seed=simulation.seed, duration=duration)
         resolved_table(scenario, maps_in_files=False)  # complains before there is a folder
         self.steps = 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from amorsim.core.arguments import checked
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.components import read_sensor
@@ -14,6 +15,7 @@ from amorsim.scenario.spec import MountedSensor
 __all__ = ["load_device"]
 
 
+@checked
 def load_device(source: str | Path, *, registry: Registry | None = None) -> MountedSensor:
     """A sensor with the figures and the noise of a device: its registered name, or the path of its ``.toml`` file.
 

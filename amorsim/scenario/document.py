@@ -9,7 +9,7 @@ from typing import Any
 
 import attrs
 
-from amorsim.core.arguments import path_of
+from amorsim.core.arguments import checked, path_of
 from amorsim.core.errors import DocumentError, Fault, ScenarioError
 from amorsim.core.reading import is_file, no_such_file, read_bytes, reason
 from amorsim.core.whole_files import write_bytes
@@ -39,6 +39,7 @@ __all__ = ["Document", "open_document"]
 _LISTS = (("robots",), ("obstacles",), ("landmarks",), ("lights",), ("zones",))
 
 
+@checked
 def open_document(path: str | os.PathLike[str], *, registry: Registry | None = None) -> Document:
     """The document of a scenario's file, or of the bundled scenario of that name; it may have faults.
 
@@ -77,6 +78,7 @@ class Document:
     blank lines and the spelling of numbers stay.
     """
 
+    @checked
     def __init__(self, text: str, path: str | os.PathLike[str], *, registry: Registry | None = None) -> None:
         self._path = Path(path)
         self._registry = registry or default_registry()
@@ -343,6 +345,7 @@ class Document:
 
     # ------------------------------------------------------------------------------------------------------------ file
 
+    @checked
     def save(self, path: str | os.PathLike[str] | None = None, *, copy: bool = False) -> Path:
         """Write the file, whole or not at all; returns where it is.
 
@@ -369,6 +372,7 @@ class Document:
         write_bytes(file, text.encode())
         return file
 
+    @checked
     def moved(self, path: str | os.PathLike[str]) -> Document:
         """The same document as a file elsewhere, which names the same files from there; nothing is written.
 

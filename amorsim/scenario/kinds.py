@@ -6,6 +6,7 @@ import inspect
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TypeVar
 
+from amorsim.core.arguments import is_list
 from amorsim.core.parameters import ParameterError
 from amorsim.core.trouble import in_words
 from amorsim.plugins.checks import check_name
@@ -47,7 +48,7 @@ def many(name: str, kind: type[Thing], given: Iterable[Thing]) -> tuple[Thing, .
     """The things of a kind that a field called `name` was given, of any iterable."""
     if isinstance(given, kind):
         raise ParameterError(name, f"expected a list of {kind.__name__}, got one alone; put it in brackets: [...]")
-    if isinstance(given, str) or not isinstance(given, Iterable):
+    if not is_list(given):
         raise ParameterError(name, f"expected a list of {kind.__name__}, got {in_words(given)}")
     things = tuple(given)
     for thing in things:

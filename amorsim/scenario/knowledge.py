@@ -18,7 +18,7 @@ __all__ = ["Knowledge"]
 def _places(given: Iterable[Iterable[float]]) -> tuple[tuple[float, float], ...]:
     try:
         places = np.array([tuple(place) for place in given], dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         places = np.empty((1, 0))
     if len(places) and (places.ndim != 2 or places.shape[1] != 2 or not np.isfinite(places).all()):
         raise ParameterError("landmarks", f"expected points [(x, y), ...] of finite numbers [m], got {given!r}")

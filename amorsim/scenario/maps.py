@@ -11,7 +11,7 @@ from typing import Any, cast
 import attrs
 
 from amorsim.contracts import MapLoader
-from amorsim.core.arguments import check_kind, path_of
+from amorsim.core.arguments import check_kind, checked, path_of
 from amorsim.core.errors import MapError, PluginError
 from amorsim.core.lost_cells import Lost, lost_cells
 from amorsim.core.map import Map
@@ -49,6 +49,7 @@ class MapFile:
     loader: MapLoader
 
 
+@checked
 def load_map(path: str | Path, *, use: str | None = None, registry: Registry | None = None, **options: Any) -> Map:
     """The map in a file.
 
@@ -134,6 +135,7 @@ def companions_of(file: MapFile) -> list[Path]:
     return paths
 
 
+@checked
 def save_map(world: Map, path: str | Path, *, use: str | None = None, registry: Registry | None = None) -> Map:
     """Write a map into a file, and read it again: the map that is returned names the file as its `source`.
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from amorsim.core.arguments import check_kind, path_of
+from amorsim.core.arguments import check_kind, checked, path_of
 from amorsim.core.errors import RunError
 from amorsim.core.whole_files import write_text
 from amorsim.plugins.manager import default_registry
@@ -53,6 +53,7 @@ def read_model(robot: dict[str, Any], kind: str, book: Book, registry: Registry)
     read_robot(node, Maps(registry), None, registry)
 
 
+@checked
 def save_robot(
     robot: Robot, path: str | os.PathLike[str], *, model: str | None = None, registry: Registry | None = None
 ) -> Path:
@@ -87,6 +88,7 @@ def save_robot(
     return _write(own, parent, model, target)
 
 
+@checked
 def save_device(
     device: MountedSensor, path: str | os.PathLike[str], *, model: str = "", registry: Registry | None = None
 ) -> Path:

@@ -10,11 +10,11 @@ import copy
 import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import attrs
 
-from amorsim.core.arguments import path_of
+from amorsim.core.arguments import checked, path_of
 from amorsim.core.errors import Fault, ScenarioError
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
@@ -48,8 +48,12 @@ __all__ = [
 _MODEL = {"drive", "shape"}
 
 
+@checked
 def load(
-    source: str | os.PathLike[str], overrides: Iterable[str] = (), *, registry: Registry | None = None
+    source: str | os.PathLike[str],
+    overrides: Annotated[Iterable[str], "a list of settings"] = (),
+    *,
+    registry: Registry | None = None,
 ) -> Scenario:
     """The scenario in a file, or the bundled one of that name.
 

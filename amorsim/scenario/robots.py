@@ -10,7 +10,7 @@ from typing import Any
 import attrs
 
 from amorsim.contracts import Drive
-from amorsim.core.arguments import whole
+from amorsim.core.arguments import checked, whole
 from amorsim.core.errors import AmorsimError, PluginError
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
@@ -66,6 +66,7 @@ _OBSTACLE_KEYS = ("name", "count", "shape", "pose", "start", "motion", *LOOKS)
 _ZONE_KEYS = ("name", "shape", "pose", "ground")
 
 
+@checked
 def load_robot(model: str | Path, *, registry: Registry | None = None, **changes: Any) -> Robot:
     """The robot of a model: its registered name such as ``"pioneer2dx"``, or the path of its ``.toml`` file.
 

@@ -18,6 +18,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Controller, Drive, Estimator, Motion, Mount, Noise, Recorder, Sensor, parameter
 from amorsim.controllers.user import UserController
+from amorsim.core.arguments import is_list
 from amorsim.core.distributions import Distribution
 from amorsim.core.errors import ComponentError
 from amorsim.core.map import Map
@@ -109,7 +110,7 @@ class NoiseElement:
 def _chain(given: Iterable[NoiseElement | Noise]) -> tuple[NoiseElement, ...]:
     """A chain whose bare elements are called after their classes, numbered where one comes again."""
     made: list[NoiseElement] = []
-    if isinstance(given, (str, Mapping)) or not isinstance(given, Iterable):
+    if not is_list(given):
         raise ParameterError(
             "noise", f"expected a list of noises, as [am.noise.Gaussian(std=0.01)], got {in_words(given)}"
         )
@@ -336,18 +337,17 @@ class Zone:
         return np.stack((self.pose.x + c * x - s * y, self.pose.y + s * x + c * y), axis=1)
 
 
+def _recorders(given: Iterable[Recorder]) -> tuple[Recorder, ...]:
+    return many("also", Recorder, given)  # type: ignore[type-abstract]
+
+
 @attrs.frozen(kw_only=True)
 class Recording:
     """What a run records; `also` are recorders in addition to that of the text files, which every run has."""
 
     sensors: str = parameter("auto", choices=("auto", "all", "none"), help="sensor files; auto: up to 32 replicas only")
     picture: bool = parameter(True, help="whether a picture of the map and the paths is drawn at the end")
-    also: tuple[Recorder, ...] = attrs.field(default=(), converter=tuple)
-
-    def __attrs_post_init__(self) -> None:
-        for recorder in self.also:
-            if not isinstance(recorder, Recorder):
-                raise ParameterError("also", f"expected recorders, got {recorder!r}")
+    also: tuple[Recorder, ...] = attrs.field(default=(), converter=_recorders)
 
 
 def _robots(given: Iterable[Robot]) -> tuple[Robot, ...]:

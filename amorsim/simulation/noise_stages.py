@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Draws, Noise, State
-from amorsim.core.arguments import check_kind, whole
+from amorsim.core.arguments import check_kind, checked, whole
 from amorsim.core.errors import AmorsimError
 from amorsim.core.rows import take
 from amorsim.core.unknown_names import no_such
@@ -148,6 +148,7 @@ class _Watch:
         return result
 
 
+@checked
 class KeptStages:
     """The stages of all sensors of a simulation since `keep_stages`; as a context manager it stops at its end."""
 
@@ -160,6 +161,7 @@ class KeptStages:
                 unit.chain.watch = self._watches[id(group), name] = _Watch(samples)
             group.set_parameters()  # sensors that are read together have no separate stages
 
+    @checked
     def stages(self, robot: str, sensor: str, *, replica: int | None = None) -> list[Stage]:
         """The stages of the reading that a robot holds now, in the order of the chain.
 
@@ -190,6 +192,7 @@ class KeptStages:
             found.append(sample.of(row, unit.chain.names[index]))
         return found
 
+    @checked
     def last_stage(self, robot: str, sensor: str, *, replica: int | None = None) -> Stage:
         """The stage that gave the robot its reading; raises as `stages`, and if no element changes values."""
         found = self.stages(robot, sensor, replica=replica)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, overload
+from typing import Annotated, Any, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Frame, ObstacleFrame
-from amorsim.core.arguments import check_kind, real, whole
+from amorsim.core.arguments import check_kind, checked, real, whole
 from amorsim.core.errors import AmorsimError
 from amorsim.core.interrupt import Interrupt
 from amorsim.core.map import Map
@@ -402,7 +402,10 @@ class Simulation:
         """
         changes.hand_over(self._fleet, self.robot(name, replica), to)
 
-    def reset(self, seed: int | None = None, replicas: Sequence[int] | None = None) -> None:
+    @checked
+    def reset(
+        self, seed: Annotated[int | None, "a whole number >= 0"] = None, replicas: Sequence[int] | None = None
+    ) -> None:
         """Start all replicas again, or those with the given numbers.
 
         With a `seed`, everything starts from it, as in a new simulation, without the changes that were made to this

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.core.arguments import path_of
+from amorsim.core.arguments import checked, path_of
 from amorsim.core.errors import StudyError
 from amorsim.core.memory import too_large
 from amorsim.core.reading import check_readable, is_file
@@ -45,6 +45,7 @@ class Study(dict[str, npt.NDArray[Any]]):
         The content of its ``study.json``: versions, metrics with their units, and so on.
     """
 
+    @checked
     def __init__(self, folder: Path, about: dict[str, Any], columns: dict[str, npt.NDArray[Any]]) -> None:
         super().__init__(columns)
         self.folder = folder

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 import attrs
 import numpy as np
 
+from amorsim.core.arguments import checked
 from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import Parameter, describe
 from amorsim.core.rows import signature
@@ -74,6 +75,7 @@ def _number(parameter: Parameter) -> float:
     return min(highs) - 1.0 if highs else 1.0
 
 
+@checked
 def variants(component: T, count: int) -> list[T]:
     """The component and copies of it, `count` in all, whose numbers differ a little, within their bounds.
 

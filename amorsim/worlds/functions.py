@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from amorsim.contracts import WorldGenerator
+from amorsim.core.arguments import checked
 from amorsim.core.distributions import Distribution
 from amorsim.core.errors import MapError
 from amorsim.core.map import Map
@@ -17,6 +18,7 @@ from amorsim.worlds.made import MadeWorld, make_world
 __all__ = ["generated"]
 
 
+@checked
 def generated(cls: type[WorldGenerator], seed: int, per: str, options: Mapping[str, Any]) -> Map:
     """The world of a generator's class with these fields, of which some may be distributions.
 

@@ -24,6 +24,7 @@ from amorsim.plugins.manager import make_registry
 from amorsim.scenario.angles import parse_float
 from amorsim.scenario.read import loads
 from amorsim.scenario.resolved import resolved
+from tests.fuzz.api import Api
 from tests.fuzz.damage import damaged
 from tests.fuzz.foreign import FOREIGN
 from tests.fuzz.maps import LOADERS, MAPS
@@ -353,5 +354,6 @@ FUZZERS: dict[str, Callable[[Path], Fuzzer]] = {
     "tracks": Tracks,
     **FOREIGN,
     **RECORDED,
+    "api": Api,
     "faulty": Faulty,
 }

@@ -33,18 +33,19 @@ READERS = {
     "khepera": 2_300,
 }
 OTHERS = dict.fromkeys(("scenarios", "numbers", "tracks"), COUNT)
+CALLS = {"api": 10_000}  # of all that is public
 # What runs, studies and recordings leave: a minute, too.
 RECORDED = {"runs": 1_500, "chunks": 1_500, "logs": 3_000}
 
 
 def test_readers_get_two_hundred_thousand_inputs() -> None:
     assert sum(READERS.values()) >= 200_000
-    assert set(READERS) | set(OTHERS) | set(RECORDED) | {"maps", "faulty"} == set(FUZZERS)
+    assert set(READERS) | set(OTHERS) | set(RECORDED) | set(CALLS) | {"maps", "faulty"} == set(FUZZERS)
 
 
 @pytest.mark.long
 @pytest.mark.skipif(sys.platform != "linux", reason="limits are set as Linux has them")
-@pytest.mark.parametrize(("name", "count"), [*READERS.items(), *OTHERS.items(), *RECORDED.items()])
+@pytest.mark.parametrize(("name", "count"), [*READERS.items(), *OTHERS.items(), *RECORDED.items(), *CALLS.items()])
 def test_every_input_ends_with_a_result_or_a_message(name: str, count: int, tmp_path: Path) -> None:
     from tests.fuzz.harness import fuzz
 
@@ -53,8 +54,8 @@ def test_every_input_ends_with_a_result_or_a_message(name: str, count: int, tmp_
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="limits are set as Linux has them")
-@pytest.mark.parametrize("name", ["maps", "bitmaps"])
-def test_some_damaged_maps(name: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", ["maps", "bitmaps", "api"])
+def test_some_inputs(name: str, tmp_path: Path) -> None:
     from tests.fuzz.harness import fuzz
 
     assert fuzz(name, tmp_path, 60, SEED) == []

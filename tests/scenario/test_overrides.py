@@ -5,6 +5,7 @@ import re
 import pytest
 
 from amorsim.core.errors import ScenarioError
+from amorsim.core.parameters import ParameterError
 from amorsim.scenario.read import load
 from amorsim.scenario.spec import Deviation, Pose
 
@@ -199,7 +200,7 @@ def test_faults_of_settings_and_files_come_together(read):
 
 
 def test_one_setting_alone_is_not_taken_for_a_list_of_letters():
-    with pytest.raises(ScenarioError, match=r"expected a list of settings, as \['simulation.dt=0.2'\], got a text"):
+    with pytest.raises(ParameterError, match=r"expected a list of settings, as \['simulation.dt=0.2'\], got '"):
         load("demo", "simulation.dt=0.2")
 
 

@@ -85,5 +85,5 @@ def test_what_is_wrong_is_said(with_counter, folder, also, path, words):
 
 
 def test_what_is_no_recorder_is_refused_in_python():
-    with pytest.raises(ParameterError, match="expected recorders, got 3"):
+    with pytest.raises(ParameterError, match="expected a list of Recorder, got one with 3"):
         Recording(also=[3])

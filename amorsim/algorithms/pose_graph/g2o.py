@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from amorsim.algorithms.pose_graph.graph import PoseGraph
+from amorsim.core.arguments import checked
 from amorsim.core.errors import GraphError
 from amorsim.core.reading import read_text, reason
 from amorsim.core.whole_files import replacing
@@ -22,6 +23,7 @@ _UPPER = np.triu_indices(3)
 _SIZES = {"VERTEX_SE2": (1, 3), "EDGE_SE2": (2, 9)}  # whole numbers, then others
 
 
+@checked
 def read_g2o(path: str | Path) -> PoseGraph:
     """The pose graph in a file.
 
@@ -80,6 +82,7 @@ def _values(words: list[str], where: str) -> tuple[list[int], list[float]]:
         raise GraphError(f"{where}: {error}; expected numbers after {words[0]}") from None
 
 
+@checked
 def write_g2o(graph: PoseGraph, path: str | Path) -> None:
     """Write a pose graph into a file; a file that is there is replaced. Read again, it has the same bits.
 

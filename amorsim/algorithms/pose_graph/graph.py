@@ -88,7 +88,7 @@ def _numbers(given: npt.ArrayLike, what: str, shape: tuple[int, ...]) -> Array:
     """Finite numbers of a shape, copied."""
     try:
         found: Any = np.array(given, dtype=np.float64).reshape(shape)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise GraphError(f"{what}: expected numbers of shape {shape}, got {np.shape(given)}") from None
     if not np.isfinite(found).all():
         place = int(np.flatnonzero(~np.isfinite(found.reshape(len(found), -1)).all(axis=1))[0])

@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.algorithms.pose_graph.graph import PoseGraph
+from amorsim.core.arguments import checked
 from amorsim.core.errors import GraphError
 from amorsim.core.poses import wrap_angle
 
@@ -34,6 +35,7 @@ class Optimum(NamedTuple):
     iterations: int
 
 
+@checked
 def chi2_of(graph: PoseGraph, poses: Array | None = None) -> float:
     """The sum of the squared errors of all edges at some poses `(n, 3)`, those of the graph if not given."""
     errors = _errors(graph, graph.poses if poses is None else poses)
@@ -53,6 +55,7 @@ def _turned(points: Array, angle: Array) -> Array:
     return np.stack((c * points[:, 0] - s * points[:, 1], s * points[:, 0] + c * points[:, 1]), axis=1)
 
 
+@checked
 def optimize(
     graph: PoseGraph, *, start: str = "linear", most_iterations: int = 100, tolerance: float = 1e-9
 ) -> Optimum:
@@ -96,6 +99,7 @@ def optimize(
     return Optimum(poses, chi2, most_iterations)
 
 
+@checked
 def covariance_of(graph: PoseGraph, poses: Array, place: int) -> Array:
     """The covariance (3, 3) of the pose at a place of `poses` `(n, 3)`, given the first pose; to first order.
 
@@ -129,6 +133,7 @@ def _slopes(graph: PoseGraph, poses: Array) -> Array:
     return slopes
 
 
+@checked
 def linear_start(graph: PoseGraph) -> Array:
     """Poses `(n, 3)` near the optimum: headings from a linear problem, then places from another one.
 
