@@ -106,8 +106,9 @@ class Picture:
             return self.classes(rule, paper)
         made = np.zeros(256, np.uint8)
         made[: len(colours)] = rule(colours)
-        for row in numbers:
-            row[:] = _entries(made, row)
+        flat = numbers.reshape(-1)
+        for first in range(0, len(flat), _BAND):  # not row by row: a picture may be a few pixels wide
+            flat[first : first + _BAND] = _entries(made, flat[first : first + _BAND])
         return numbers
 
     def _numbered(self, paper: str) -> tuple[Colours, NDArray[np.uint8]]:
