@@ -206,7 +206,6 @@ def rpe(
     AnalysisError
         As for `ape`, and if there is no such stretch.
     """
-    check_text(unit, "unit")
     size = _number(delta, "delta", "a number > 0")
     if unit not in _UNITS:
         raise AnalysisError(f"unit: expected one of {', '.join(_UNITS)}, got {unit!r}")
@@ -262,8 +261,6 @@ def relation_errors(
     AnalysisError
         If these are no relations, or none has poses at its times.
     """
-    check_kind(estimate, Trajectory, "estimate", _A_TRAJECTORY)
-    most_apart = real(most_apart, "most_apart", "a number of seconds")
     try:
         given = numbers(relations, "relations", ("M", 5))
     except ParameterError as error:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.core.arguments import check_kind, checked
+from amorsim.core.arguments import checked
 from amorsim.core.errors import MapError
 from amorsim.core.map import Map
 
@@ -40,7 +40,6 @@ def estimated_map(
     MapError
         If there is no occupancy grid in the beliefs, or the bounds make no sense.
     """
-    check_kind(beliefs, Mapping, "beliefs", "an estimator's beliefs, by name")
     wanted = ("occupancy", "occupancy_origin", "occupancy_resolution")
     if missing := [one for one in wanted if one not in beliefs]:
         known = ", ".join(beliefs) or "nothing"

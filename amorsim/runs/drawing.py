@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
-from amorsim.core.arguments import check_kind, check_text, checked
+from amorsim.core.arguments import checked
 from amorsim.core.errors import AmorsimError
 from amorsim.core.map import Map
 from amorsim.core.trouble import in_words
@@ -67,15 +67,12 @@ def draw(
         If the scenario cannot be simulated.
     """
     size = checked_size(size)
-    check_text(title, "title")
     if isinstance(what, Map):
         return draw_map(what, size=size, title=title)
     simulation = Simulation(what) if isinstance(what, Scenario) else what
     if not isinstance(simulation, Simulation):
         raise AmorsimError(f"draw: expected a Map, a Scenario or a Simulation, got {in_words(what)}")
     index = _index_of(simulation, replica)
-    if kept is not None:
-        check_kind(kept, Mapping, "kept", "what simulation.run(keep=...) returned")
     if kept is not None and not kept.keys() & set(_POSES):
         raise AmorsimError(f"draw: kept: expected {' or '.join(_POSES)} in it, got {', '.join(kept) or 'nothing'}")
     true, estimated = (_ways(simulation, index, kept or {}, name) for name in _POSES)

@@ -15,7 +15,7 @@ from typing import Any
 import attrs
 
 from amorsim.contracts import Recorder, RunInfo
-from amorsim.core.arguments import check_kind, checked
+from amorsim.core.arguments import checked
 from amorsim.core.errors import RunError
 from amorsim.core.trouble import in_words
 from amorsim.core.user_code import go_back, present_folder
@@ -108,7 +108,6 @@ class RunSession:
         wanted_steps: int | None = None,
         is_kept: bool = True,
     ) -> None:
-        check_kind(simulation, Simulation, "simulation", "a Simulation, as am.Simulation(am.load('demo'))")
         scenario = simulation.scenario
         if simulation.ticks.any() or simulation._fleet.episodes.any():
             raise RunError("only a simulation in which no step was made can be recorded; make a new one")

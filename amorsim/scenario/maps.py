@@ -11,7 +11,7 @@ from typing import Any, cast
 import attrs
 
 from amorsim.contracts import MapLoader
-from amorsim.core.arguments import check_kind, checked, path_of
+from amorsim.core.arguments import checked, path_of
 from amorsim.core.errors import MapError, PluginError
 from amorsim.core.lost_cells import Lost, lost_cells
 from amorsim.core.map import Map
@@ -159,7 +159,6 @@ def save_map(world: Map, path: str | Path, *, use: str | None = None, registry: 
         If the format cannot hold the map exactly, the file cannot be written, or no loader knows the extension. The
         file that was there is there still.
     """
-    check_kind(world, Map, "world", "a Map, as am.load_map('lab.wld')")
     path = path_of(path, "path", "the path of a map's file")
     with _replacing_map(world, path, use, registry or default_registry()) as again:
         if not have_same_cells(again, world):

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from amorsim.core.arguments import check_kind, checked, path_of
+from amorsim.core.arguments import checked, path_of
 from amorsim.core.errors import RunError
 from amorsim.core.whole_files import write_text
 from amorsim.plugins.manager import default_registry
@@ -79,7 +79,6 @@ def save_robot(
         If a file cannot name something in the robot, or the model has faults.
     """
     registry = registry or default_registry()
-    check_kind(robot, Robot, "robot", "a Robot, as am.load_robot('pioneer2dx')")
     target = path_of(path, "path")
     if model is None:
         model = robot.model if robot.model in registry.names("robot") else ""
@@ -111,7 +110,6 @@ def save_device(
         If a file cannot name something in the sensor, or the device has faults.
     """
     registry = registry or default_registry()
-    check_kind(device, MountedSensor, "device", "a MountedSensor, as am.load_device('sick_lms200')")
     target = path_of(path, "path")
     own = _sensor(device, target, registry)
     parent = _sensor(load_device(model, registry=registry), target, registry) if model else {}
