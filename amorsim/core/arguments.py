@@ -110,9 +110,9 @@ def _fits(value: object, kind: Any) -> bool:
     if kind is bool:
         return isinstance(value, (bool, np.bool_))
     if origin is tuple:
-        return _are_fitting(value, inner) if inner[-1] is not ... else _is_list_of(value, inner[0])
+        return _are_fitting(value, inner) if inner[-1] is not ... else _is_list_of(value, inner[0], again=True)
     if origin in (collections.abc.Sequence, collections.abc.Iterable, collections.abc.Collection, list):
-        return _is_list_of(value, inner[0])
+        return _is_list_of(value, inner[0], again=origin is not collections.abc.Iterable)
     if origin in (collections.abc.Mapping, dict):
         return isinstance(value, origin) and all(
             _fits(key, inner[0]) and _fits(each, inner[1])
@@ -146,12 +146,16 @@ def is_numeric(value: object) -> bool:
         return False
 
 
-def _is_list_of(value: object, kind: Any) -> bool:
-    """Whether it is a list, or anything else to go through, and its first elements are of a kind; a text is none."""
-    return is_list(value) and (
-        not isinstance(value, collections.abc.Sized)
-        or all(_fits(each, kind) for _, each in zip(range(_MOST), value, strict=False))
-    )
+def _is_list_of(value: object, kind: Any, *, again: bool) -> bool:
+    """Whether it is a list, or anything else to go through, more than once with `again`; a text is none.
+
+    The first elements must be of a kind, unless it can be gone through only once.
+    """
+    if not is_list(value):
+        return False
+    if not isinstance(value, collections.abc.Sized):
+        return not again
+    return all(_fits(each, kind) for _, each in zip(range(_MOST), value, strict=False))
 
 
 def is_list(value: object) -> TypeGuard[Iterable[Any]]:
@@ -171,7 +175,14 @@ def _are_fitting(value: object, kinds: tuple[Any, ...]) -> bool:
     )
 
 
-_WORDS = {float: "a number", int: "a whole number", str: "a text", bool: "True or False", None: "None"}
+_WORDS = {
+    np.ndarray: "an array",
+    float: "a number",
+    int: "a whole number",
+    str: "a text",
+    bool: "True or False",
+    None: "None",
+}
 
 
 def _in_words(kind: Any) -> str:

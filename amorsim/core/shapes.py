@@ -210,7 +210,7 @@ def _ring(vertices: ArrayLike | Iterable[Sequence[float]]) -> Ring:
             vertices if isinstance(vertices, np.ndarray) else list(vertices),  # type: ignore[arg-type]
             dtype=np.float64,
         )
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ShapeError("the vertices of a polygon are pairs of numbers [m], as in [[0, 0], [1, 0], [0, 1]]") from None
     if array.ndim != 2 or array.shape[1] != 2:
         raise ShapeError(f"the vertices of a polygon are pairs [m], (V, 2), not an array of shape {array.shape}")

@@ -165,9 +165,10 @@ class Document:
         DocumentError
             If the path leads nowhere, or TOML has no such value.
         """
+        at = self._at(path)
         value = plain(value, path)
         with self._journal.changing():
-            self._setter.set(self._at(path), value)
+            self._setter.set(at, value)
 
     def _override(self, path: Sequence[str], value: Any) -> Path_:
         """Set the value at a path given by its parts; returns the path of what was made for it.

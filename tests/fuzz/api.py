@@ -44,7 +44,10 @@ SMALL = (0, -1, -0.5, 1e-320, 10**400, -(10**400))
 
 
 class _Odd:
-    """An object of a class that nobody expects."""
+    """An object of a class that nobody expects; it is made of anything, for a function that is given may raise."""
+
+    def __init__(self, *_: Any) -> None:
+        pass
 
 
 def _junk() -> tuple[Any, ...]:

@@ -8,7 +8,9 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.core.arguments import is_numeric
 from amorsim.core.errors import GraphError
+from amorsim.core.trouble import in_words
 
 __all__ = ["PoseGraph"]
 
@@ -89,7 +91,8 @@ def _numbers(given: npt.ArrayLike, what: str, shape: tuple[int, ...]) -> Array:
     try:
         found: Any = np.array(given, dtype=np.float64).reshape(shape)
     except (TypeError, ValueError, OverflowError):
-        raise GraphError(f"{what}: expected numbers of shape {shape}, got {np.shape(given)}") from None
+        got = np.shape(given) if is_numeric(given) else in_words(given)
+        raise GraphError(f"{what}: expected numbers of shape {shape}, got {got}") from None
     if not np.isfinite(found).all():
         place = int(np.flatnonzero(~np.isfinite(found.reshape(len(found), -1)).all(axis=1))[0])
         raise GraphError(f"{what}: number {place} is {found[place].tolist()}; expected finite numbers")
