@@ -44,6 +44,15 @@ class Part(NamedTuple):
     shape: Shape
 
 
+# A drive's methods in the simple form, and those that bind them to the engine's arrays.
+_BOUND_BY = {
+    "advance": "bind",
+    "twist": "bind_twist",
+    "displacement": "bind_displacement",
+    "travel": "bind_travel",
+}
+
+
 class Drive(Component, abc.ABC):
     """How joints follow commands, and how a body moves as its joints move.
 
@@ -59,7 +68,7 @@ class Drive(Component, abc.ABC):
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
-        simple_form_first(cls, {"advance": "bind"}, Drive)
+        simple_form_first(cls, _BOUND_BY, Drive)
 
     def bind(self, at: DriveBinding) -> Callable[[], None]:
         """The function that each step calls: it moves the joints, and writes what `advance` returns into ``at.out``.
@@ -86,6 +95,15 @@ class Drive(Component, abc.ABC):
         A drive whose path is not that of a constant twist returns the mean twist and overrides `displacement`.
         """
 
+    def bind_twist(self, before: Array, after: Array, out: Array) -> Callable[[], None]:
+        """A function that writes `twist` `(N, 3)` into `out`, for joints in arrays that keep their place.
+
+        By default it calls `twist`; override it, too, for a drive that moves by a kernel. The same holds for
+        `bind_displacement` and `bind_travel`. The engine moves the true bodies with these functions, and estimators
+        reckon with them.
+        """
+        return lambda: np.copyto(out, self.twist(before, after))
+
     @property
     def goes_on_arcs(self) -> bool:
         """Whether the path of a step is an arc of a circle: that of the twist, as `displacement` is not overridden."""
@@ -103,6 +121,11 @@ class Drive(Component, abc.ABC):
         """The body's displacement `(N, 3)`, in its frame before, in closed form, at a fraction `(N, 1)` of the step."""
         return exponential(self.twist(before, after), fraction)
 
+    def bind_displacement(self, before: Array, after: Array, out: Array) -> Callable[[], None]:
+        """A function that writes the `displacement` `(N, 3)` of the whole step into `out`; see `bind_twist`."""
+        whole = np.ones((len(out), 1))
+        return lambda: np.copyto(out, self.displacement(before, after, whole))
+
     def between(self, before: Array, after: Array, fraction: Array) -> Array:
         """The joints `(N, j)` after a stop at `fraction`; moving to them displaces the body as `displacement` says."""
         return before + (after - before) * fraction
@@ -114,6 +137,10 @@ class Drive(Component, abc.ABC):
         """
         twist = self.twist(before, after)
         return np.stack((np.sqrt(twist[:, 0] ** 2 + twist[:, 1] ** 2), np.abs(twist[:, 2])), axis=1)
+
+    def bind_travel(self, before: Array, after: Array, out: Array) -> Callable[[], None]:
+        """A function that writes `travel` `(N, 2)` into `out`; see `bind_twist`."""
+        return lambda: np.copyto(out, self.travel(before, after))
 
     def contacts(self, joints: Array) -> Array:
         """Where each joint that rolls touches the ground `(N, r, 2)` [m], in the body's frame.

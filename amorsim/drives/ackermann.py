@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Draws, Joint, State, parameter
+from amorsim.contracts import Draws, DriveBinding, Joint, State, parameter
 from amorsim.core.parameters import own_first
 from amorsim.drives.motors import Steered
 from amorsim.kernels.kinematics import steering
@@ -83,6 +85,14 @@ class Ackermann(Steered):
     def _place(self) -> int:
         return _PLACES[self.counted]
 
+    def bind(self, at: DriveBinding) -> Callable[[], None]:
+        """Move steering and wheels by a kernel."""
+        lengths = self.wheelbase, self.track, self._place
+        steered = self.steering_max, self.steering_rate, self.steering_lag
+        rolled = self.rate_max, self._acceleration(at.rows), self.lag
+        joints = at.joints, at.joint_rates, at.command
+        return functools.partial(steering.ackermann_advance, *joints, *lengths, *steered, *rolled, at.dt, at.out)
+
     def advance(
         self, joints: Array, rates: Array, command: Array, dt: float, state: State, draws: Draws
     ) -> tuple[Array, Array]:
@@ -114,6 +124,11 @@ class Ackermann(Steered):
         )
         return out
 
+    def bind_displacement(self, before: Array, after: Array, out: Array) -> Callable[[], None]:
+        """Compute the displacement by a kernel."""
+        lengths, whole = (self.wheel_radius, self.wheelbase, self.track), np.ones((len(out), 1))
+        return functools.partial(steering.ackermann_paths, before, after, whole, *lengths, self._place, out)
+
     def between(self, before: Array, after: Array, fraction: Array) -> Array:
         """The joints `(N, j)` after a stop at `fraction`."""
         out = np.empty(before.shape)
@@ -125,6 +140,11 @@ class Ackermann(Steered):
         out = np.empty((len(before), 2))
         steering.ackermann_travel(before, after, self.wheel_radius, self.wheelbase, self.track, self._place, out)
         return out
+
+    def bind_travel(self, before: Array, after: Array, out: Array) -> Callable[[], None]:
+        """Compute the bounds by a kernel."""
+        lengths = self.wheel_radius, self.wheelbase, self.track
+        return functools.partial(steering.ackermann_travel, before, after, *lengths, self._place, out)
 
     def command_for(self, twist: Array, joints: Array) -> Array:
         """Steering and shaft `(N, 2)` [rad, rad/s] for `twist` `(N, 3)`; at rest it steers to the side of the turn."""

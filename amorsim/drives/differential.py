@@ -68,6 +68,11 @@ class Differential(Motors):
         odometry.wheel_twists(before, after, self.wheel_radius_left, self.wheel_radius_right, self.track, out)
         return out
 
+    def bind_twist(self, before: Array, after: Array, out: Array) -> Callable[[], None]:
+        """Compute the twist by a kernel."""
+        lengths = self.wheel_radius_left, self.wheel_radius_right, self.track
+        return functools.partial(odometry.wheel_twists, before, after, *lengths, out)
+
     def travel(self, before: Array, after: Array) -> Array:
         """Length of the path [m] and turning [rad] of a step `(N, 2)`."""
         return np.abs(self.twist(before, after)[:, ::2])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable
 from typing import Any
 
 import attrs
@@ -12,6 +13,7 @@ import numpy.typing as npt
 from amorsim.contracts import Drive, parameter
 from amorsim.core.parameters import own_first
 from amorsim.core.poses import logarithm
+from amorsim.core.workers import in_turn
 from amorsim.kernels.kinematics import poses
 
 __all__ = ["Motors", "Steered", "Winding", "over_rows"]
@@ -64,6 +66,12 @@ class Winding(Motors):
     def twist(self, before: Array, after: Array) -> Array:
         """The mean motion `(N, 3)`: that of the single arc to the same pose."""
         return logarithm(self.displacement(before, after, np.ones((len(before), 1))))
+
+    def bind_twist(self, before: Array, after: Array, out: Array) -> Callable[[], None]:
+        """Compute the mean motion from the displacement."""
+        moved = np.empty_like(out)
+        displace = self.bind_displacement(before, after, moved)
+        return in_turn([displace, functools.partial(poses.logarithm, moved, out)])
 
 
 @attrs.frozen(kw_only=True, field_transformer=own_first)

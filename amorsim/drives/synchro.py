@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Callable
 from typing import Any
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Draws, Joint, State, parameter
+from amorsim.contracts import Draws, DriveBinding, Joint, State, parameter
 from amorsim.core.parameters import own_first
 from amorsim.drives.motors import Winding, over_rows
 from amorsim.kernels.kinematics import synchro
@@ -76,6 +78,13 @@ class Synchro(Winding):
     def _mode(self) -> int:
         return _TURRETS[self.turret]
 
+    def bind(self, at: DriveBinding) -> Callable[[], None]:
+        """Move steering, wheels and turret by a kernel."""
+        limits = self.steering_rate_max, self.rate_max, self.turret_rate_max
+        changes = over_rows(self.steering_acceleration_max, at.rows), self._acceleration(at.rows), self.lag
+        joints = at.joints, at.joint_rates, at.command
+        return functools.partial(synchro.synchro_advance, *joints, *limits, *changes, at.dt, at.out)
+
     def advance(
         self, joints: Array, rates: Array, command: Array, dt: float, state: State, draws: Draws
     ) -> tuple[Array, Array]:
@@ -101,6 +110,11 @@ class Synchro(Winding):
         out = np.empty((len(before), 3))
         synchro.synchro_paths(before, after, fraction, self.wheel_radius, self._mode, out)
         return out
+
+    def bind_displacement(self, before: Array, after: Array, out: Array) -> Callable[[], None]:
+        """Compute the displacement by a kernel."""
+        whole = np.ones((len(out), 1))
+        return functools.partial(synchro.synchro_paths, before, after, whole, self.wheel_radius, self._mode, out)
 
     def travel(self, before: Array, after: Array) -> Array:
         """Length of the path [m] and turning of the robot's frame [rad] `(N, 2)`."""

@@ -86,10 +86,6 @@ class Tractor(Differential):
         after[:, :2], new_rates[:, :2] = wheels, wheel_rates
         return after, new_rates
 
-    def twist(self, before: Array, after: Array) -> Array:
-        """Motion of the tractor (forward [m], 0, turn [rad]) `(N, 3)`."""
-        return Differential.twist(self, _wheels(before), _wheels(after))
-
     def follow(self, joints: Array, displacement: Array) -> Array:
         """The joints `(N, 3)` after the hitch has followed the tractor's motion."""
         out = np.empty((len(joints), 1))

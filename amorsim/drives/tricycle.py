@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Draws, Joint, State, parameter
+from amorsim.contracts import Draws, DriveBinding, Joint, State, parameter
 from amorsim.core.parameters import own_first
 from amorsim.drives.motors import Steered
 from amorsim.kernels.kinematics import steering
@@ -59,6 +61,13 @@ class Tricycle(Steered):
     steering_max: float = parameter(_RIGHT, unit="rad", gt=0, le=_RIGHT, help="largest steering angle to either side")
     rate_max: float = parameter(unit="rad/s", gt=0, le=1e6, help="fastest that the front wheel turns")
 
+    def bind(self, at: DriveBinding) -> Callable[[], None]:
+        """Move steering and wheel by a kernel."""
+        steered = self.steering_max, self.steering_rate, self.steering_lag
+        rolled = self.rate_max, self._acceleration(at.rows), self.lag
+        joints = at.joints, at.joint_rates, at.command
+        return functools.partial(steering.tricycle_advance, *joints, *steered, *rolled, at.dt, at.out)
+
     def advance(
         self, joints: Array, rates: Array, command: Array, dt: float, state: State, draws: Draws
     ) -> tuple[Array, Array]:
@@ -84,6 +93,11 @@ class Tricycle(Steered):
         out = np.empty((len(before), 3))
         steering.tricycle_paths(before, after, fraction, self.wheel_radius, self.wheelbase, out)
         return out
+
+    def bind_displacement(self, before: Array, after: Array, out: Array) -> Callable[[], None]:
+        """Compute the displacement by a kernel."""
+        lengths, whole = (self.wheel_radius, self.wheelbase), np.ones((len(out), 1))
+        return functools.partial(steering.tricycle_paths, before, after, whole, *lengths, out)
 
     def travel(self, before: Array, after: Array) -> Array:
         """Bounds on the path `(N, 2)`: the way of the front wheel, and its turn with the wheel at a right angle."""

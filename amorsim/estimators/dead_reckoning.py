@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import attrs
 import numpy as np
@@ -19,8 +21,10 @@ from amorsim.contracts import (
     State,
     parameter,
 )
+from amorsim.core.workers import in_turn
 from amorsim.estimators.starts import covariance_at_start, refuse_lost
-from amorsim.estimators.wheels import angles_of, carry, check_encoder, reckon, step_of
+from amorsim.estimators.wheels import angles_of, bind_angles, bind_step, check_encoder, reckon
+from amorsim.kernels.kinematics import odometry
 
 __all__ = ["DeadReckoning"]
 
@@ -71,17 +75,16 @@ class DeadReckoning(Estimator):
     def bind(self, at: EstimatorBinding) -> Callable[[], None]:
         """Reckon on the engine's own arrays."""
         pose, covariance, joints = (at.state[name] for name in ("pose", "covariance", "joints"))
-        measured, drive = at.readings[self.encoder].measured, at.robot.drive
-        radius = np.ascontiguousarray(drive.rolling_radius())
+        before, after, take = bind_angles(at.robot, self.encoder, at.readings[self.encoder].measured, joints)
+        step, move = bind_step(at.robot.drive, before, after)
+        variance: Any = self.wheel_variance
+        carry_on = functools.partial(odometry.reckon, pose, covariance, *step, variance, pose, covariance)
 
-        def update() -> None:
-            before, after = angles_of(at.robot, self.encoder, measured, joints)
-            found = carry(step_of(drive, before, after, radius), pose, covariance, self.wheel_variance)
-            at.out.pose[:] = pose[:] = found.pose
-            at.out.covariance[:] = covariance[:] = found.covariance
-            joints[:] = after
+        def show() -> None:
+            np.copyto(at.out.pose, pose)
+            np.copyto(at.out.covariance, covariance)
 
-        return update
+        return in_turn([take, move, carry_on, show])
 
     def update(
         self,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,14 +11,17 @@ import numpy.typing as npt
 
 from amorsim.contracts import Drive, Joint, Measurement, RobotModel
 from amorsim.core.errors import ComponentError, did_you_mean
-from amorsim.core.poses import exponential
-from amorsim.kernels.kinematics import odometry
+from amorsim.core.workers import in_turn
+from amorsim.kernels.kinematics import odometry, poses
 from amorsim.kernels.numbers import has_nan
 
 __all__ = [
     "Reckoned",
     "Step",
     "angles_of",
+    "bind_angles",
+    "bind_differences",
+    "bind_step",
     "carry",
     "check_encoder",
     "check_keeps_up",
@@ -40,35 +44,28 @@ def _rolling(joints: tuple[Joint, ...]) -> npt.NDArray[np.int64]:
     return np.array([i for i, joint in enumerate(joints) if joint.rolls], dtype=np.int64)
 
 
-@functools.cache
-def _whole(rows: int) -> Array:
-    return np.ones((rows, 1))
-
-
-def _jacobian(drive: Drive, before: Array, after: Array, rolling: npt.NDArray[np.int64], radius: Array) -> Array:
-    """The body's motion (forward, left, turn) per metre of travel of each rolling joint, `(N, 3, r)`."""
+def _bind_jacobian(drive: Drive, before: Array, after: Array, radius: Array, out: Array) -> Callable[[], None]:
+    """A function that writes the body's motion per metre of travel of each rolling joint into `out` `(N, 3, r)`."""
     offered: Any = getattr(drive, "jacobian", None)
     if offered is not None:
-        return np.ascontiguousarray(offered(before, after))
-    return jacobian_at(drive, 0.5 * (before + after), rolling, radius)
+        return lambda: np.copyto(out, offered(before, after))
+    return bind_differences(drive, before, after, radius, out)
 
 
-def jacobian_at(drive: Drive, joints: Array, rolling: npt.NDArray[np.int64], radius: Array) -> Array:
-    """The body's motion (forward, left, turn) per metre of travel of each rolling joint `(N, 3, r)`, by displacements.
+def bind_differences(drive: Drive, before: Array, after: Array, radius: Array, out: Array) -> Callable[[], None]:
+    """A function that writes the body's motion (forward, left, turn) per metre of each rolling joint's travel.
 
-    It turns each joint a little from `joints` `(N, j)`; `rolling` `(r,)` are those that roll, `radius` `(N, r)` [m/rad]
-    is theirs.
+    It turns each joint a little, halfway between `before` and `after` `(N, j)`, and writes into `out` `(N, 3, r)`;
+    `radius` `(N, r)` [m/rad] is that of the joints that roll.
     """
-    out = np.empty((len(joints), 3, len(rolling)))
-    for j, joint in enumerate(rolling):
-        back, ahead = joints.copy(), joints.copy()
-        back[:, joint] -= _NUDGE
-        ahead[:, joint] += _NUDGE
-        one = _whole(len(joints))
-        # Both start from the same joints and are given in their frame, so the errors of first order cancel.
-        moved = drive.displacement(joints, ahead, one) - drive.displacement(joints, back, one)
-        out[:, :, j] = moved / (2.0 * _NUDGE * radius[:, j : j + 1])
-    return out
+    middle, turned, moved = np.empty_like(before), np.empty((2, *before.shape)), np.empty((2, len(before), 3))
+    displace = [drive.bind_displacement(middle, turned[side], moved[side]) for side in (0, 1)]
+    calls: list[Callable[[], None]] = []
+    for number, joint in enumerate(_rolling(drive.joints).tolist()):
+        calls.append(functools.partial(odometry.turn_joint, before, after, joint, _NUDGE, middle, *turned))
+        calls += displace
+        calls.append(functools.partial(odometry.difference_quotients, *moved, _NUDGE, radius, number, out))
+    return in_turn(calls)
 
 
 class Step(NamedTuple):
@@ -91,19 +88,29 @@ class Reckoned(NamedTuple):
     turn: Array  # (N, 1) [rad] over the motion
 
 
-def step_of(drive: Drive, before: Array, after: Array, radius: Array | None = None) -> Step:
-    """The motion as the joints `(N, j)` of a nominal drive move; `radius` is its `rolling_radius`, if that is known.
+def bind_step(drive: Drive, before: Array, after: Array) -> tuple[Step, Callable[[], None]]:
+    """The motion as the joints `(N, j)` of a nominal drive move, and a function that computes it from the joints."""
+    rows, rolling = len(after), _rolling(drive.joints)
+    radius = np.ascontiguousarray(drive.rolling_radius())
+    displacement, twist, jacobian = np.empty((rows, 3)), np.empty((rows, 3)), np.empty((rows, 3, len(rolling)))
+    if drive.goes_on_arcs:
+        move: Callable[[], None] = functools.partial(poses.exponential, twist, np.ones((rows, 1)), displacement)
+    else:
+        move = drive.bind_displacement(before, after, displacement)
+    calls = [drive.bind_twist(before, after, twist), move, _bind_jacobian(drive, before, after, radius, jacobian)]
+    return Step(displacement, twist, jacobian, before, after, rolling, radius), in_turn(calls)
+
+
+def step_of(drive: Drive, before: Array, after: Array) -> Step:
+    """The motion as the joints `(N, j)` of a nominal drive move.
 
     Joints that are nan, as `angles_of` gives before the first reading, have not moved.
     """
     if has_nan(after.ravel()):
         before, after = np.nan_to_num(before), np.nan_to_num(after)
-    rolling = _rolling(drive.joints)
-    radius = drive.rolling_radius() if radius is None else radius
-    whole, twist = _whole(len(after)), drive.twist(before, after)
-    displacement = exponential(twist, whole) if drive.goes_on_arcs else drive.displacement(before, after, whole)
-    jacobian = _jacobian(drive, before, after, rolling, radius)
-    return Step(np.ascontiguousarray(displacement), twist, jacobian, before, after, rolling, radius)
+    step, compute = bind_step(drive, before, after)
+    compute()
+    return step
 
 
 def carry(step: Step, pose: Array, covariance: Array, variance: Any) -> Reckoned:
@@ -113,20 +120,7 @@ def carry(step: Step, pose: Array, covariance: Array, variance: Any) -> Reckoned
     """
     rows = len(step.after)
     found = Reckoned(np.empty((rows, 3)), np.empty((rows, 3, 3)), step.twist[:, 2:])
-    odometry.reckon(
-        pose,
-        covariance,
-        step.displacement,
-        step.twist,
-        step.jacobian,
-        step.before,
-        step.after,
-        step.rolling,
-        step.radius,
-        variance,
-        found.pose,
-        found.covariance,
-    )
+    odometry.reckon(pose, covariance, *step, variance, found.pose, found.covariance)
     return found
 
 
@@ -192,16 +186,35 @@ def angles_of(robot: RobotModel, encoder: str, measured: Array, joints: Array) -
     shows all that they have moved since. Where counts have leapt further than wheels turn from one reading to the next,
     nobody knows what moved: nothing has, and the reading is the new reference.
     """
-    sensor: Any = robot.sensors[encoder].sensor
-    angles = np.ascontiguousarray(sensor.angles(measured), dtype=np.float64)
-    if angles.shape != joints.shape:  # the kernel would read beyond them
-        raise ComponentError(
-            f"sensor {encoder!r} ({type(sensor).__name__}): expected the angles of the drive's joints from angles(), "
-            f"an array {joints.shape} [rad], got one of the shape {angles.shape}"
-        )
     before, after = np.empty(joints.shape), np.empty(joints.shape)
+    angles = _angles(robot, encoder, measured, joints.shape)
     odometry.joints_between(joints, angles, _FAR, _LEAP, before, after)
     return before, after
+
+
+def _angles(robot: RobotModel, encoder: str, measured: Array, shape: tuple[int, ...]) -> Array:
+    """The angles of the drive's joints `(N, j)` [rad] that an encoder's reading shows."""
+    sensor: Any = robot.sensors[encoder].sensor
+    angles = np.ascontiguousarray(sensor.angles(measured), dtype=np.float64)
+    if angles.shape != shape:  # the kernel would read beyond them
+        raise ComponentError(
+            f"sensor {encoder!r} ({type(sensor).__name__}): expected the angles of the drive's joints from angles(), "
+            f"an array {shape} [rad], got one of the shape {angles.shape}"
+        )
+    return angles
+
+
+def bind_angles(
+    robot: RobotModel, encoder: str, measured: Array, joints: Array
+) -> tuple[Array, Array, Callable[[], None]]:
+    """As `angles_of`, with arrays that a function writes; it takes `joints` on, and those that are nan stand at 0."""
+    before, after = np.empty(joints.shape), np.empty(joints.shape)
+
+    def take() -> None:
+        angles = _angles(robot, encoder, measured, joints.shape)
+        odometry.take_angles(joints, angles, _FAR, _LEAP, before, after)
+
+    return before, after, take
 
 
 def is_taken(robot: RobotModel, encoder: str, reading: Measurement, after: Array) -> npt.NDArray[np.bool_]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import types
 from collections.abc import Callable, Mapping
@@ -13,6 +14,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Aim, Draws, Drive, Sensor, SensorBinding, State, View, parameter
 from amorsim.core.parameters import ParameterError
+from amorsim.kernels.sensing import readings
 
 __all__ = ["Encoder"]
 
@@ -63,12 +65,7 @@ class Encoder(Sensor):
     def bind(self, at: SensorBinding) -> Callable[[], None]:
         """Count the joints of the engine's own array."""
         counts: Any = self.counts_per_revolution
-
-        def sense() -> None:
-            np.divide(at.joints, _TURN, out=at.out)
-            np.multiply(at.out, counts, out=at.out)
-
-        return sense
+        return functools.partial(readings.count_turns, at.joints, counts, at.out)
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
         """Counts `(N, j)` since all joints stood at 0."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, NoReturn
 
 import attrs
@@ -20,15 +20,17 @@ from amorsim.contracts import (
     Measurement,
     State,
 )
-from amorsim.core.poses import compose, exponential, logarithm
+from amorsim.core.errors import AmorsimError
+from amorsim.core.poses import compose, exponential
 from amorsim.core.rows import stack, take
+from amorsim.core.workers import in_turn
 from amorsim.kernels.collision.paths import ARC, OTHER
-from amorsim.kernels.kinematics.poses import mean_twists
+from amorsim.kernels.kinematics.poses import logarithm, mean_twists
 from amorsim.kernels.text import digest
 from amorsim.scenario.spec import Robot, Zone
 from amorsim.simulation.alike import channels_of, poses_of, reading_size, robot_model
 from amorsim.simulation.beliefs import BeliefsNow, beliefs_of_step
-from amorsim.simulation.blame import Whose, is_finite, of_drive
+from amorsim.simulation.blame import Whose, of_drive
 from amorsim.simulation.contact.moved_parts import Parts
 from amorsim.simulation.contact.sliding import arcs, bounds, displaced, part_bounds
 from amorsim.simulation.controlling import Driver
@@ -196,7 +198,8 @@ class Group:
         """Prepare what each step calls, for the present parameters and states."""
         devices = list(self.sensors.values())
         self._noise = PlainNoise(devices, self.rows)
-        self._after = self._ground_after = self._moved_joints[0]
+        self._after = self._moved_joints[0]
+        self._ground_after = self._after.copy() if self.ground.elements or self.zones else self._after
         self._place_mounts = place_mounts(devices, self.true_pose) if devices else None
         self._senses = [(device, device.bind(self)) for device in devices]
         live = {name: device.live for name, device in self.sensors.items()}
@@ -224,7 +227,7 @@ class Group:
             self._results += [unit.true, unit.measured]
         self.is_bound = True
 
-    _BOUND = ("_noise", "_place_mounts", "_senses", "_control", "_estimates", "_advance", "_results")
+    _BOUND = ("_noise", "_place_mounts", "_senses", "_control", "_estimates", "_advance", "_results", "_motion")
 
     def __getstate__(self) -> dict[str, Any]:
         """All but what is bound, which a copy prepares anew."""
@@ -254,11 +257,11 @@ class Group:
             device = self.sensors[name]
             act = functools.partial(self._actuate_device, device, columns)
             yield Call("actuate", f"{self.label} / {name}: {type(device.sensor).__name__}", act, device.blame)
-        yield Call("actuate", f"{self.label} / drive: {type(self.drive).__name__}", self._move_joints, self.blame_drive)
+        yield Call("actuate", f"{self.label} / drive: {type(self.drive).__name__}", self._move_joints, self.blame)
         if self.ground.elements or self.zones:
-            yield Call("actuate", f"{self.label} / ground", self._move_over_ground, self.blame_drive)
+            yield Call("actuate", f"{self.label} / ground", self._move_over_ground, self.blame)
 
-    def blame_drive(self, error: BaseException) -> NoReturn:
+    def blame(self, error: BaseException) -> NoReturn:
         """Raise the drive's exception as `Whose.blame` does."""
         self.whose.blame("drive", self.drive, error)
 
@@ -313,7 +316,7 @@ class Group:
             )
             if slide is not None:
                 self._slide = slide if self._slide is None else self._slide + slide
-        self._ground_after = ground
+        self._ground_after[...] = ground
 
     # The group as a mover (`amorsim.simulation.contact.resolve.Mover`): its bodies go where their wheels roll them.
 
@@ -322,16 +325,32 @@ class Group:
         """Bounds of the paths: length [m] and turning [rad] `(N, 2)`."""
         return bounds(self.drive.travel(self.joints_before, self._ground_after), self._slide)
 
-    @of_drive
-    def path(self) -> tuple[int, Array]:
-        """The form of the paths and their parameters `(N, 3)`: arcs, except for drives that define other paths."""
-        if self.drive.goes_on_arcs:
-            self._motion = ARC, arcs(self.drive, self.joints_before, self._ground_after, self._slide)
+    def bind_path(self, motion: Array, travel: Array) -> tuple[int, Callable[[], None]]:
+        """The form of the paths, and a function for their parameters: arcs, except for drives that define others."""
+        drive, joints = self.drive, (self.joints_before, self._ground_after)
+        self._motion = motion
+        self._form = ARC if drive.goes_on_arcs else OTHER
+        if drive.goes_on_arcs:
+            calls = [drive.bind_twist(*joints, motion)]
         else:
-            self._motion = OTHER, self._moved(np.ones((self.rows, 1)))
-        if not is_finite(self._motion[1]):
-            raise self.whose.not_finite("drive", self.drive, "the displacement", self._motion[1])
-        return self._motion
+            calls = [drive.bind_displacement(*joints, motion), drive.bind_travel(*joints, travel)]
+        if self.ground.elements or self.zones:
+            calls.append(functools.partial(self._add_slide, motion, travel))
+        return self._form, in_turn(calls)
+
+    def _add_slide(self, motion: Array, travel: Array) -> None:
+        """Add the slide of this step, if there is one, to what the wheels make."""
+        if self._slide is None:
+            return
+        if self._form == ARC:
+            motion[:] = arcs(motion, self._slide)
+        else:
+            motion[:] = self._moved(np.ones((self.rows, 1)))
+            travel[:] = bounds(travel, self._slide)
+
+    def bad_motion(self, motion: Array) -> AmorsimError:
+        """The error for displacements that are not all finite."""
+        return self.whose.not_finite("drive", self.drive, "the displacement", motion)
 
     def _moved(self, fraction: Array) -> Array:
         """The bodies' displacements `(N, 3)` at fractions `(N, 1)` of the step."""
@@ -359,34 +378,37 @@ class Group:
         joints = np.where(fraction < 1.0, drive.between(before, after, fraction), after)
         return compose(poses, displacement), drive.part_poses(drive.follow(joints, displacement))
 
-    @of_drive
-    def arrive(self, poses: Array, stop: Array) -> None:
-        """Take the poses `(N, 3)` after contact, and stop the wheels of robots in contact."""
-        self._take(poses, stop)
-        if self.zones and (stop < 1.0).any():
-            self.zones.halt(stop < 1.0, contact_points(self.drive, self.joints, self.true_pose))
-
-    def _take(self, poses: Array, stop: Array) -> None:
-        form, motion = self._motion
-        if form == ARC and type(self.drive).follow is Drive.follow:
-            if mean_twists(np.ascontiguousarray(motion), stop, self.dt, self.true_twist):
-                self._halt(stop)
-            self.true_pose[:] = poses
-            self.joints[:] = self._after
-            return
-        fraction = stop[:, None]
-        displacement = exponential(motion, fraction) if form == ARC else motion
-        stopped = stop < 1.0
-        if stopped.any():
-            if form != ARC:
-                displacement = np.where(stopped[:, None], self._moved(fraction), displacement)
-            self._halt(stop)
-        self.true_pose[:] = poses
-        self.joints[:] = self._after
+    def bind_arrival(self, poses: Array, stop: Array) -> Callable[[], None]:
+        """A function that takes the poses `(N, 3)` after contact, and stops the wheels of robots in contact."""
+        calls = [functools.partial(self._arrive, poses, stop)]
         if type(self.drive).follow is not Drive.follow:
-            self.joints[:] = self.drive.follow(self._after, displacement)
-            self.joint_rates += (self.joints - self._after) / self.dt
-        np.divide(logarithm(displacement), self.dt, out=self.true_twist)
+            calls.append(functools.partial(self._follow, stop))
+        if self.zones:
+            calls.append(functools.partial(self._halt_in_zones, stop))
+        return in_turn(calls)
+
+    def _arrive(self, poses: Array, stop: Array) -> None:
+        if self._form == ARC:
+            is_short = mean_twists(self._motion, stop, self.dt, self.true_twist)
+        else:
+            if is_short := bool((stop < 1.0).any()):
+                np.copyto(self._motion, self._moved(stop[:, None]), where=(stop < 1.0)[:, None])
+            logarithm(self._motion, self.true_twist)
+            self.true_twist /= self.dt
+        if is_short:
+            self._halt(stop)
+        np.copyto(self.true_pose, poses)
+        np.copyto(self.joints, self._after)
+
+    def _follow(self, stop: Array) -> None:
+        """Let passive joints follow the body's motion."""
+        displacement = exponential(self._motion, stop[:, None]) if self._form == ARC else self._motion
+        self.joints[:] = self.drive.follow(self._after, displacement)
+        self.joint_rates += (self.joints - self._after) / self.dt
+
+    def _halt_in_zones(self, stop: Array) -> None:
+        if (stop < 1.0).any():
+            self.zones.halt(stop < 1.0, contact_points(self.drive, self.joints, self.true_pose))
 
     def _halt(self, stop: Array) -> None:
         """Stop the wheels of robots in contact at the fraction `(N,)` of the step at which they touched."""

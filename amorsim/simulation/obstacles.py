@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NoReturn
 
 import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Context, Motion, ObstacleFrame, State
+from amorsim.core.errors import AmorsimError
 from amorsim.core.poses import compose
 from amorsim.core.rows import stack
 from amorsim.core.trouble import RAISED
 from amorsim.kernels.collision.paths import LINE
 from amorsim.kernels.text import digest
 from amorsim.scenario.spec import Obstacle
-from amorsim.simulation.blame import Whose, array_problem, is_finite
+from amorsim.simulation.blame import Whose, array_problem
 from amorsim.simulation.row_clock import RowClock
 from amorsim.simulation.sensing.noise_chain import Streams
 from amorsim.simulation.world.sensor_view import GroupView
@@ -60,7 +61,7 @@ class ObstacleGroup:
         self.true_pose = np.array([[o.pose.x, o.pose.y, o.pose.heading] for o in self.obstacles], dtype=np.float64)
         self.true_twist = np.zeros((rows, 3))
         self.free = np.ones((rows, 1))
-        self.proposed = np.zeros((rows, 3))
+        self.proposed = np.zeros((rows, 3))  # displacements
         self.fingerprint = np.zeros((rows, 2), dtype=np.uint64)
         if self.motion is not None:
             no_robot: Any = None  # an obstacle has no robot model
@@ -86,8 +87,6 @@ class ObstacleGroup:
             self.whose.blame("motion", self.motion, error)
         if problem := array_problem(proposed, "displacements", self.true_pose.shape):
             raise self.whose.wrong("motion", self.motion, problem)
-        if not is_finite(proposed):
-            raise self.whose.not_finite("motion", self.motion, "the displacement", proposed)
         self.proposed = proposed
 
     def travel(self) -> Array:
@@ -95,21 +94,33 @@ class ObstacleGroup:
         x, y, turn = self.proposed.T
         return np.stack((np.sqrt(x * x + y * y), np.abs(turn)), axis=1)
 
-    def path(self) -> tuple[int, Array]:
-        """The form of the paths, and the wanted displacements `(N, 3)`: on straight lines, turning evenly."""
-        return LINE, self.proposed
+    def bind_path(self, motion: Array, travel: Array) -> tuple[int, Callable[[], None]]:
+        """The form of the paths, and a function for the wanted displacements: straight lines, turning evenly."""
+        return LINE, lambda: np.copyto(motion, self.proposed)
+
+    def blame(self, error: BaseException) -> NoReturn:
+        """Raise the motion's exception as `Whose.blame` does."""
+        self.whose.blame("motion", self.motion, error)
+
+    def bad_motion(self, motion: Array) -> AmorsimError:
+        """The error for displacements that are not all finite."""
+        return self.whose.not_finite("motion", self.motion, "the displacement", motion)
 
     def poses_at(self, which: Ints, fraction: Array) -> Array:
         """Poses of some of them at fractions of the step: on a straight line, turning evenly."""
         return compose(self.true_pose[which], self.proposed[which] * fraction[:, None])
 
-    def arrive(self, poses: Array, stop: Array) -> None:
-        """Take the poses after contact."""
-        # An obstacle that did not want to move was not blocked, even if a body ran into it.
-        wanted = (self.proposed != 0.0).any(axis=1)
-        self.free = np.where(wanted, stop, 1.0)[:, None]
-        self.true_twist = self.proposed * stop[:, None] / self.row_clock.dt
-        self.true_pose = poses
+    def bind_arrival(self, poses: Array, stop: Array) -> Callable[[], None]:
+        """A function that takes the poses after contact."""
+
+        def arrive() -> None:
+            # An obstacle that did not want to move was not blocked, even if a body ran into it.
+            wanted = (self.proposed != 0.0).any(axis=1)
+            self.free = np.where(wanted, stop, 1.0)[:, None]
+            self.true_twist = self.proposed * stop[:, None] / self.row_clock.dt
+            self.true_pose = poses.copy()
+
+        return arrive
 
     def record(self) -> None:
         """Mix the step's exact results into the fingerprint of each row."""

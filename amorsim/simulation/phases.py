@@ -52,7 +52,10 @@ def _calls(fleet: Fleet) -> Iterator[Call]:
         if obstacles.motion is not None:
             label = f"{obstacles.label} / motion: {type(obstacles.motion).__name__}"
             yield Call("actuate", label, obstacles.actuate)
-    yield Call("move", "contact", functools.partial(_move, fleet))
+    yield from fleet.movement.path_calls()
+    yield Call("move", "contact", functools.partial(_meet, fleet))
+    yield from fleet.movement.arrival_calls()
+    yield Call("move", "clocks", fleet.advance)
     for group in groups:
         yield from group.place_calls()
     if fleet.has_emitters:
@@ -85,15 +88,9 @@ def _log_reports(fleet: Fleet, group: Group) -> None:
         fleet.log(group, row, "report", path=word, value=value)
 
 
-def _move(fleet: Fleet) -> None:
-    poses, stop, contacts = fleet.movement.make()
-    _meet(fleet, poses, contacts)
-    fleet.movement.arrive(poses, stop)
-    fleet.advance()
-
-
-def _meet(fleet: Fleet, poses: Array, contacts: Sequence[Contact]) -> None:
-    """Move all bodies to their poses after a step with these contacts."""
+def _meet(fleet: Fleet) -> None:
+    """Move all bodies along their paths, and log what touched."""
+    contacts, poses = fleet.movement.meet(), fleet.movement.end
     if not is_finite(poses):
         raise _not_finite(fleet, poses)
     for contact in contacts:

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Clock
+from amorsim.kernels.clock import advance_clocks
 
 __all__ = ["RowClock"]
 
@@ -34,20 +35,14 @@ class RowClock:
 
     def set_tick(self, tick: npt.NDArray[np.int64]) -> None:
         """Put every row to its tick `(N, 1)`."""
-        self.tick[...] = tick
-        self._tell()
+        self.tick[...] = tick - 1
+        self.advance()
         self.elapsed = np.where(tick > 0, self.dt, 0.0)
 
     def advance(self) -> None:
         """Put every row to the next tick."""
-        self.tick += 1
-        self._tell()
+        advance_clocks(self.tick, self.dt, self.time, self.counter)
         self.elapsed = self.step
-
-    def _tell(self) -> None:
-        # Multiplied, not summed: the time is still right after a billion steps.
-        np.multiply(self.tick, self.dt, out=self.time)
-        self.counter[:, 2] = self.tick[:, 0]
 
     def set_episode(self, episode: npt.NDArray[np.int64]) -> None:
         """Put every row to its episode `(N,)`."""

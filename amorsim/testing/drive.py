@@ -10,7 +10,7 @@ import numpy.typing as npt
 from amorsim.contracts import Drive, Part, State
 from amorsim.core.poses import compose, wrap_angle
 from amorsim.core.rows import stack
-from amorsim.estimators.wheels import jacobian_at
+from amorsim.estimators.wheels import bind_differences
 from amorsim.plugins.checks import check_name
 from amorsim.testing.failure import Who
 from amorsim.testing.rig import DT, ROWS, STEPS, Rig, Session
@@ -158,8 +158,25 @@ class DriveTrial(Trial[Drive]):
             self._check_stops(drive, before, after, self.fractions[t])
             self._check_stops(drive, before, after, np.ones((ROWS, 1)))
             self._check_travel(drive, before, after)
+            self._check_bound(drive, before, after)
             if self.parts:
                 self._check_part_travel(drive, before, after)
+
+    def _check_bound(self, drive: Drive, before: Array, after: Array) -> None:
+        """Whether what binds the drive's motion gives the bits of the simple form, and leaves the joints alone."""
+        one = np.ones((ROWS, 1))
+        for name, expected in (
+            ("twist", drive.twist(before, after)),
+            ("displacement", drive.displacement(before, after, one)),
+            ("travel", drive.travel(before, after)),
+        ):
+            given, out = (before.copy(), after.copy()), np.full(expected.shape, np.nan)
+            with self.who.calling(f"bind_{name}"):
+                getattr(drive, f"bind_{name}")(*given, out)()
+            same = out.tobytes() == expected.tobytes()
+            self.who.require(same, "bind", f"what bind_{name}() writes", f"the bits of {name}()", "others")
+            kept = given[0].tobytes() + given[1].tobytes() == before.tobytes() + after.tobytes()
+            self.who.require(kept, "bind", f"the joints that bind_{name}() gets", "left as they are", "others")
 
     def _check_part_travel(self, drive: Drive, before: Array, after: Array) -> None:
         """Whether parts start at the poses of the joints, and stay within the drive's `part_travel`."""
@@ -239,8 +256,8 @@ class DriveTrial(Trial[Drive]):
             session.go_to(t)
             self.step(drive, session, state, carried, given)
         joints = carried["joints"]
-        rolling = np.flatnonzero([joint.rolls for joint in drive.joints])
-        wanted = jacobian_at(drive, joints, rolling, drive.rolling_radius())
+        wanted = np.empty((ROWS, 3, self.rolling))
+        bind_differences(drive, joints, joints, np.ascontiguousarray(drive.rolling_radius()), wanted)()
         found = offered(joints, joints)
         row = int(np.argmax(np.abs(found - wanted).max(axis=(1, 2)) / (1.0 + np.abs(wanted).max(axis=(1, 2)))))
         self.who.require(

@@ -46,7 +46,12 @@ def set_out_all(scene, first, record):
     """Ends, the fastest of each replica, and who has to look around."""
     count = len(scene.paths.start)
     end, fastest, looking = np.full((count, 3), np.nan), np.full(len(first) - 1, np.nan), np.full(count, -1)
-    lookers = set_out(scene.paths, scene.bodies.reach, first, record, end, fastest, looking)
+    # Of paths of form `OTHER`, of which the scene holds the bound.
+    travel = np.stack((scene.paths.bound / (1.0 + 1e-9), np.zeros(count)), axis=1)
+    start, motion, form, bound, stop = scene.paths
+    lookers = set_out(
+        *(start, motion, form, travel, bound, stop, scene.bodies.reach, first, *record, end, fastest, looking)
+    )
     return end, fastest, looking[:lookers]
 
 
@@ -79,7 +84,7 @@ def test_bodies_set_out_along_their_paths(seed):
     assert (paths.stop == 1.0).all()
     standing, other = paths.form == STANDS, paths.form == OTHER
     np.testing.assert_array_equal(end[standing], paths.start[standing])
-    np.testing.assert_array_equal(paths.bound[other], given[other])
+    np.testing.assert_allclose(paths.bound[other], given[other], rtol=1e-15)
     assert (paths.bound[standing] == 0.0).all()
     expected = np.empty_like(end)
     poses_at(paths, np.arange(120), np.ones(120), expected)
@@ -91,6 +96,16 @@ def test_bodies_set_out_along_their_paths(seed):
     for number in (0, 1):
         assert fastest[number] == paths.bound[replica == number].max()
     np.testing.assert_array_equal(looking, np.flatnonzero(paths.bound > 0.0))  # nothing is known
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_a_motion_that_is_not_finite_is_refused(value):
+    scene, _, _, _ = scene_of(1)
+    scene.paths.motion[70, 1] = value
+    count = len(scene.paths.start)
+    outputs = np.empty((count, 3)), np.empty(2), np.empty(count, dtype=np.int64)
+    given = *scene.paths[:3], np.zeros((count, 2)), *scene.paths[3:], scene.bodies.reach
+    assert set_out(*given, np.array([0, 60, 120]), *nothing_known(scene), *outputs) == -1
 
 
 @pytest.mark.parametrize("seed", range(8))

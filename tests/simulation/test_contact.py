@@ -283,7 +283,7 @@ def test_a_robot_in_the_open_that_looks_at_no_wall_still_meets_the_next(monkeypa
     sim = am.Simulation(building.scenario(building.robot(pose=am.Pose(x=1.0, y=2.5), on_collision="continue"), dt=0.02))
     sim.robot("rover").drive(forward=0.5)
     sim.run(8.0)
-    assert 10 <= len(looks) < 100  # of 400 steps, and some of them against the wall
+    assert 5 <= len(looks) < 100  # of 400 steps, and some of them against the wall
     sim.robot("rover").drive(forward=20.0)
     sim.run(1.0)
     assert sim.true_pose[0, 0] == pytest.approx(5.799, abs=1e-9)

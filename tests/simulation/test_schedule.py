@@ -27,7 +27,10 @@ def test_it_names_every_component_in_the_order_of_the_phases() -> None:
     assert str(sim.schedule).splitlines() == [
         "control   rover / controller: Wander",
         "actuate   rover / drive: Differential",
+        "move      rover / path",
         "move      contact",
+        "move      rover / arrival",
+        "move      clocks",
         "sense     rover / mounts",
         "sense     rover / encoder: Encoder",
         "sense     rover / laser: Laser",

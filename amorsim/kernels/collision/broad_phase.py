@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from amorsim.kernels.collision.body_hash import BodyHash, run_of_bodies, window
-from amorsim.kernels.collision.clearance import map_gap
-from amorsim.kernels.collision.paths import OTHER, SLACK, STANDS, Paths, Scene, bound_of, end_of
+from amorsim.kernels.collision.clearance import has_room, map_gap
+from amorsim.kernels.collision.paths import OTHER, SLACK, STANDS, Scene, bound_of, end_of, padded
 from amorsim.kernels.compile import kernel, part
 
 __all__ = ["NEAR_BODY", "NEAR_WALL", "Clearance", "look_around", "set_out"]
@@ -27,7 +27,10 @@ NEAR_WALL = 1
 NEAR_BODY = 2
 
 # Number of steps ahead that a body looks around, at most.
-AHEAD = 32.0
+AHEAD = 64.0
+FAR = 32.0  # for other bodies
+# Where its circle has no room for as many steps, the gap of its shape is found.
+NEAR = 4.0
 
 
 class Clearance(NamedTuple):
@@ -43,20 +46,37 @@ class Clearance(NamedTuple):
 
 @kernel
 def set_out(
-    paths: Paths, reach: Floats, replica_first: Ints, clearance: Clearance, end: Floats, fastest: Floats, looking: Ints
+    start: Floats,
+    motion: Floats,
+    form: NDArray[np.uint8],
+    travel: Floats,
+    bound: Floats,
+    stop: Floats,
+    reach: Floats,
+    replica_first: Ints,
+    at: Floats,
+    walls: Floats,
+    others: Floats,
+    end: Floats,
+    fastest: Floats,
+    looking: Ints,
 ) -> int:
     """Let all bodies set out; returns the number of bodies whose clearance does not last for the step.
 
+    Returns -1, and has written nothing of use, if a motion is not finite.
+
     Parameters
     ----------
-    paths
-        `stop` becomes 1, and `bound` is written for all forms but `OTHER`.
+    start, motion, form, bound, stop
+        The paths, as in `Paths`; `stop` becomes 1, and `bound` is written.
+    travel
+        Bounds of the paths of form `OTHER`: length [m] and turning [rad], (T, 2).
     reach
         Of the bodies [m], (T,).
     replica_first
         Bodies of replica r are ``replica_first[r]:replica_first[r + 1]``, (R + 1,).
-    clearance
-        For bodies whose clearance lasts, it becomes the rest after the step.
+    at, walls, others
+        The bodies' `Clearance`. For bodies whose clearance lasts, it becomes the rest after the step.
     end
         Gets the poses at the end of the step, (T, 3).
     fastest
@@ -71,31 +91,35 @@ def set_out(
         fastest[r] = 0.0
         holds = True
         for i in range(first, last):
-            paths.stop[i] = 1.0
-            if paths.form[i] == STANDS:
-                paths.bound[i] = 0.0
+            stop[i] = 1.0
+            if not (math.isfinite(motion[i, 0]) and math.isfinite(motion[i, 1]) and math.isfinite(motion[i, 2])):
+                return -1
+            if form[i] == STANDS:
+                bound[i] = 0.0
                 for k in range(3):
-                    end[i, k] = paths.start[i, k]
+                    end[i, k] = start[i, k]
             else:
-                if paths.form[i] != OTHER:
-                    paths.bound[i] = bound_of(paths.motion[i, 0], paths.motion[i, 1], paths.motion[i, 2], reach[i])
-                end[i, 0], end[i, 1], end[i, 2] = end_of(paths.start[i], paths.motion[i], paths.form[i])
-            if paths.bound[i] > fastest[r] or paths.bound[i] != paths.bound[i]:  # nan stays
-                fastest[r] = paths.bound[i]
+                if form[i] == OTHER:
+                    bound[i] = padded(travel[i, 0] + travel[i, 1] * reach[i])
+                else:
+                    bound[i] = bound_of(motion[i, 0], motion[i, 1], motion[i, 2], reach[i])
+                end[i, 0], end[i, 1], end[i, 2] = end_of(start[i], motion[i], form[i])
+            if bound[i] > fastest[r] or bound[i] != bound[i]:  # nan stays
+                fastest[r] = bound[i]
             for k in range(3):
-                if clearance.at[i, k] != paths.start[i, k]:
+                if at[i, k] != start[i, k]:
                     holds = False
         for i in range(first, last):
             if not holds:
-                clearance.walls[i] = 0.0
-                clearance.others[i] = 0.0
-            own, both = _needed(paths.bound[i], fastest[r])
-            if own > 0.0 and not (own < clearance.walls[i] and both < clearance.others[i]):
+                walls[i] = 0.0
+                others[i] = 0.0
+            own, both = _needed(bound[i], fastest[r])
+            if own > 0.0 and not (own < walls[i] and both < others[i]):
                 looking[count] = i
                 count += 1
             else:
-                clearance.walls[i] -= own
-                clearance.others[i] -= both
+                walls[i] -= own
+                others[i] -= both
     return count
 
 
@@ -151,7 +175,8 @@ def look_around(
 ) -> None:
     """Renew the clearance of bodies that have set out, and find which of them have something near.
 
-    Each looks two steps ahead, and four times as far while it finds nothing, so the test is cheap in a crowd.
+    For walls, each looks for room around its circle, farther first, and only without any for the gap of its shape. For
+    other bodies, each looks two steps ahead, and four times as far while it finds nothing, which is cheap in a crowd.
 
     Parameters
     ----------
@@ -185,19 +210,22 @@ def look_around(
         own, both = _needed(paths.bound[i], fastest[replica[i]])
         near[k] = 0
         if not own < clearance.walls[i]:
-            cap = 0.5 * own
-            nearest[0] = cap
-            while nearest[0] == cap and cap < AHEAD * own:
-                cap *= 4.0
-                map_gap(grid, scene.origin_x, scene.origin_y, scene.yaw, scene.bodies, i, start, cap, edges, nearest)
-            clearance.walls[i] = nearest[0]
-            if nearest[0] < own:
+            room = AHEAD * own
+            while room > NEAR * own and not has_room(
+                grid, scene.origin_x, scene.origin_y, scene.yaw, reach, start, room
+            ):
+                room *= 0.5
+            if room <= NEAR * own:
+                map_gap(grid, scene.origin_x, scene.origin_y, scene.yaw, scene.bodies, i, start, room, edges, nearest)
+                room = nearest[0]
+            clearance.walls[i] = room
+            if room < own:
                 near[k] |= NEAR_WALL
         clearance.walls[i] -= own
         if not both < clearance.others[i]:
             within = 0.5 * both
             gap = within
-            while gap == within and within < AHEAD * both:
+            while gap == within and within < FAR * both:
                 within *= 4.0
                 gap = _gap_to_others(start, reach, by_place, replica[i], owner[i], widest, within)
             clearance.others[i] = gap

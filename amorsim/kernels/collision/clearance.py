@@ -19,7 +19,7 @@ from amorsim.kernels.collision.part_and_box import Box, part_bounds, part_distan
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.grid.grid import Grid, box_is_free
 
-__all__ = ["map_gap", "map_gaps"]
+__all__ = ["has_room", "map_gap", "map_gaps"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -191,6 +191,40 @@ def _cell(place: float, resolution: float, beyond: int, limit: int) -> int:
 
 
 @kernel
+def _in_map(origin_x: float, origin_y: float, yaw: float, reach: float, pose: Floats) -> tuple[float, float, float]:
+    """Where a body at `pose` (3,) is in the map's frame (x, y), and the slack [m] for the rounding of its gaps."""
+    cos = math.cos(yaw)
+    sin = math.sin(yaw)
+    dx = pose[0] - origin_x
+    dy = pose[1] - origin_y
+    # Twice, as a body that moves by the gap asks again; and the pose itself is rounded far from the world's
+    # origin.
+    slack = rounding_slack(2.0 * (abs(dx) + abs(dy) + reach) + 0.5 * (abs(pose[0]) + abs(pose[1])))
+    return cos * dx + sin * dy, cos * dy - sin * dx, slack
+
+
+@kernel
+def _circle_is_free(grid: Grid, x: float, y: float, radius: float) -> bool:
+    """Whether the square around a circle in the map's frame is inside the map and free of walls."""
+    row0 = np.floor((y - radius) / grid.resolution) - 1.0
+    col0 = np.floor((x - radius) / grid.resolution) - 1.0
+    row1 = np.floor((y + radius) / grid.resolution) + 1.0
+    col1 = np.floor((x + radius) / grid.resolution) + 1.0
+    inside = row0 >= 0.0 and col0 >= 0.0 and row1 < grid.rows and col1 < grid.cols
+    return inside and box_is_free(grid, int(row0), int(col0), int(row1), int(col1))
+
+
+@kernel
+def has_room(grid: Grid, origin_x: float, origin_y: float, yaw: float, reach: float, pose: Floats, room: float) -> bool:
+    """Whether the square around the circle of a body at `pose` (3,) is free of walls for another `room` [m].
+
+    If so, its gap to the walls is `room` or more; if not, it may still be.
+    """
+    x, y, slack = _in_map(origin_x, origin_y, yaw, reach, pose)
+    return _circle_is_free(grid, x, y, reach + (room + slack))
+
+
+@kernel
 def map_gap(
     grid: Grid,
     origin_x: float,
@@ -215,24 +249,12 @@ def map_gap(
         return
     cos = math.cos(yaw)
     sin = math.sin(yaw)
-    dx = pose[0] - origin_x
-    dy = pose[1] - origin_y
-    # Twice, as a body that moves by the gap asks again; and the pose itself is rounded far from the world's
-    # origin.
-    slack = rounding_slack(2.0 * (abs(dx) + abs(dy) + reach) + 0.5 * (abs(pose[0]) + abs(pose[1])))
-    x = cos * dx + sin * dy
-    y = cos * dy - sin * dx
+    x, y, slack = _in_map(origin_x, origin_y, yaw, reach, pose)
     heading = pose[2] - yaw
     resolution = grid.resolution
 
     # Most bodies are in the open: their circle settles it without placing a vertex.
-    around = reach + (cap + slack)
-    row0 = np.floor((y - around) / resolution) - 1.0
-    col0 = np.floor((x - around) / resolution) - 1.0
-    row1 = np.floor((y + around) / resolution) + 1.0
-    col1 = np.floor((x + around) / resolution) + 1.0
-    inside = row0 >= 0.0 and col0 >= 0.0 and row1 < grid.rows and col1 < grid.cols
-    if inside and box_is_free(grid, int(row0), int(col0), int(row1), int(col1)):
+    if _circle_is_free(grid, x, y, reach + (cap + slack)):
         nearest[0] = cap
         return
 

@@ -29,6 +29,7 @@ __all__ = [
     "Scene",
     "bound_of",
     "end_of",
+    "padded",
     "pose_at",
     "poses_at",
 ]
@@ -112,7 +113,12 @@ def poses_at(paths: Paths, bodies: Ints, fraction: Floats, out: Floats) -> None:
 @kernel
 def bound_of(ahead: float, left: float, turn: float, reach: float) -> float:
     """Upper bound [m] of the distance that any point of a body with this reach travels along an arc or a line."""
-    travel = math.sqrt(ahead * ahead + left * left) + abs(turn) * reach
+    return padded(math.sqrt(ahead * ahead + left * left) + abs(turn) * reach)
+
+
+@kernel
+def padded(travel: float) -> float:
+    """A bound of a way [m], with room for its rounding; 0 for a body that stands still."""
     return 0.0 if travel < LEAST else travel * (1.0 + 1e-9)
 
 

@@ -12,7 +12,17 @@ from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.kinematics.actuation import respond
 from amorsim.kernels.kinematics.poses import compose
 
-__all__ = ["drive_wheels", "joints_between", "reckon", "wheel_jacobian", "wheel_rates", "wheel_twists"]
+__all__ = [
+    "difference_quotients",
+    "drive_wheels",
+    "joints_between",
+    "reckon",
+    "take_angles",
+    "turn_joint",
+    "wheel_jacobian",
+    "wheel_rates",
+    "wheel_twists",
+]
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -80,6 +90,19 @@ def joints_between(last: Floats, angles: Floats, far: float, leap: float, before
 
 
 @kernel
+def take_angles(last: Floats, angles: Floats, far: float, leap: float, before: Floats, after: Floats) -> None:
+    """As `joints_between`, and the present angles become `last`; joints without a reading so far are at 0 twice."""
+    joints_between(last, angles, far, leap, before, after)
+    for i in range(last.shape[0]):
+        for j in range(last.shape[1]):
+            last[i, j] = after[i, j]
+            if math.isnan(after[i, j]):
+                after[i, j] = 0.0
+            if math.isnan(before[i, j]):
+                before[i, j] = 0.0
+
+
+@kernel
 def wheel_twists(
     before: Floats, after: Floats, radius_left: Column, radius_right: Column, track: Column, out: Floats
 ) -> None:
@@ -93,6 +116,32 @@ def wheel_twists(
         out[i, 0] = 0.5 * (left + right)
         out[i, 1] = 0.0
         out[i, 2] = (right - left) / track[i, 0]
+
+
+@kernel
+def turn_joint(
+    before: Floats, after: Floats, joint: int, angle: float, middle: Floats, back: Floats, ahead: Floats
+) -> None:
+    """Joints halfway through a step, into `middle` (N, j), and with one of them turned by `angle` [rad] either way."""
+    for i in range(middle.shape[0]):
+        for j in range(middle.shape[1]):
+            middle[i, j] = 0.5 * (before[i, j] + after[i, j])
+            back[i, j] = middle[i, j]
+            ahead[i, j] = middle[i, j]
+        back[i, joint] -= angle
+        ahead[i, joint] += angle
+
+
+@kernel
+def difference_quotients(back: Floats, ahead: Floats, angle: float, radius: Floats, number: int, out: Floats) -> None:
+    """The body's motion per metre of travel of rolling joint `number`, into ``out[:, :, number]``, `out` (N, 3, r).
+
+    `back` and `ahead` (N, 3) are its displacements as the joint, of `radius` (N, r) [m], turns by `angle` [rad] either
+    way. Both are given in one frame, so the errors of first order cancel.
+    """
+    for i in range(out.shape[0]):
+        for k in range(3):
+            out[i, k, number] = (ahead[i, k] - back[i, k]) / (2.0 * angle * radius[i, number])
 
 
 @kernel

@@ -11,12 +11,14 @@ import numpy.typing as npt
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.kinematics.poses import wrap
 
-__all__ = ["blank_near", "place_ring", "scatter", "specific_force", "wrap_headings"]
+__all__ = ["blank_near", "count_turns", "place_ring", "scatter", "specific_force", "wrap_headings"]
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 # A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
 Column = Any
+
+_TURN = 2.0 * math.pi
 
 
 @kernel
@@ -34,6 +36,14 @@ def place_ring(poses: Floats, x: Any, y: Any, heading: Any, out: Floats) -> None
             out[i * k + j, 0] = poses[i, 0] + (c * x[i, j] - s * y[i, j])
             out[i * k + j, 1] = poses[i, 1] + (s * x[i, j] + c * y[i, j])
             out[i * k + j, 2] = wrap(poses[i, 2] + heading[i, j])
+
+
+@kernel
+def count_turns(joints: Floats, counts: Column, out: Floats) -> None:
+    """What encoders count of joints (N, j) [rad], into `out`; `counts` of a full turn, (N, 1) or (N, j)."""
+    for i in range(out.shape[0]):
+        for j in range(out.shape[1]):
+            out[i, j] = joints[i, j] / _TURN * counts[i, j if counts.shape[1] > 1 else 0]
 
 
 @kernel

@@ -7,14 +7,15 @@ the search for contact treats it like any body. If any part of a robot touches s
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Any, Protocol
+from collections.abc import Callable, Sequence
+from typing import Any, NoReturn, Protocol
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Drive
+from amorsim.core.errors import AmorsimError
 from amorsim.core.poses import compose, logarithm, relative
 from amorsim.core.rows import take
 from amorsim.kernels.collision.paths import OTHER
@@ -40,6 +41,13 @@ class Robots(Protocol):
     drive: Drive
     joints: Array
     true_pose: Array
+
+    @property
+    def label(self) -> str:
+        """Their name in the schedule."""
+
+    def blame(self, error: BaseException) -> NoReturn:
+        """Raise an exception as the drive's."""
 
     def part_travel(self) -> Array:
         """Bounds of the parts' paths: length [m] and turning [rad] `(N, p, 2)`."""
@@ -95,13 +103,23 @@ class Parts:
         self.poses, self.twists = self.poses.copy(), self.twists.copy()
         self.poses[mine], self.twists[mine] = poses, 0.0
 
-    def travel(self) -> Array:
-        """Bounds of the paths: length [m] and turning [rad] `(N * p, 2)`."""
-        return np.ascontiguousarray(self._group.part_travel()).reshape(-1, 2)
+    @property
+    def label(self) -> str:
+        """The robots' name in the schedule, and that these are their parts."""
+        return f"{self._group.label} / parts"
 
-    def path(self) -> tuple[int, Array]:
+    def bind_path(self, motion: Array, travel: Array) -> tuple[int, Callable[[], None]]:
         """The form of the paths: no kernel knows it, so `poses_at` also gives their ends."""
-        return OTHER, np.zeros((len(self.bodies), 3))
+        motion[:] = 0.0
+        return OTHER, lambda: np.copyto(travel, self._group.part_travel().reshape(-1, 2))
+
+    def blame(self, error: BaseException) -> NoReturn:
+        """Raise an exception as the drive's."""
+        self._group.blame(error)
+
+    def bad_motion(self, motion: Array) -> AmorsimError:
+        """Not needed: these motions are 0."""
+        raise AssertionError(motion)
 
     def poses_at(self, which: Ints, fraction: Array) -> Array:
         """Poses `(Q, 3)` of parts number `which` `(Q,)` at fractions `(Q,)` of the step."""
@@ -118,10 +136,14 @@ class Parts:
         (dx, dy, _) = (compose(after, inside) - compose(before, inside))[0].tolist()
         return math.hypot(dx, dy) / ((late - early) * self._group.dt)
 
-    def arrive(self, poses: Array, stop: Array) -> None:
-        """Take the poses `(N * p, 3)` after contact."""
-        self.twists = logarithm(relative(self.poses, poses)) / self._group.dt
-        self.poses = poses
+    def bind_arrival(self, poses: Array, stop: Array) -> Callable[[], None]:
+        """A function that takes the poses `(N * p, 3)` after contact."""
+
+        def arrive() -> None:
+            self.twists = logarithm(relative(self.poses, poses)) / self._group.dt
+            self.poses = poses.copy()
+
+        return arrive
 
     def arrays(self) -> dict[str, npt.NDArray[Any]]:
         """All arrays that change."""

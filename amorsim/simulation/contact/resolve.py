@@ -15,18 +15,22 @@ If one of them stops, all of them stop, and so do the joints between them.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Protocol
+import functools
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, NoReturn, Protocol
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.core.errors import ContactError
+from amorsim.core.errors import AmorsimError, ContactError
 from amorsim.core.map import Map
+from amorsim.core.workers import in_turn
 from amorsim.kernels.collision.broad_phase import NEAR_BODY, NEAR_WALL, look_around, set_out
-from amorsim.kernels.collision.paths import LEAST, OTHER, SLACK, STANDS, Paths, Scene, poses_at
+from amorsim.kernels.collision.paths import OTHER, SLACK, STANDS, Paths, Scene, poses_at
 from amorsim.kernels.collision.time_of_impact import MET, WALL, Search, resolve
+from amorsim.simulation.blame import is_finite
+from amorsim.simulation.schedule import Call
 from amorsim.simulation.world.world import World
 
 __all__ = ["WALL", "Contact", "Movement", "Mover"]
@@ -45,28 +49,42 @@ LOOK_WORK = 16
 
 
 class Mover(Protocol):
-    """Bodies that move by the same code: a group of robots, their parts, or obstacles."""
+    """Bodies that move by the same code: a group of robots, their parts, or obstacles.
+
+    Each step first calls the function of `bind_path`, and after contact that of `bind_arrival`.
+    """
 
     bodies: Ints  # (M,) their indices among the bodies of the world
+
+    @property
+    def label(self) -> str:
+        """Their name in the schedule."""
 
     @property
     def true_twist(self) -> Array:
         """Velocities `(M, 3)` [m/s, m/s, rad/s] over the last step in the bodies' frames."""
 
-    def path(self) -> tuple[int, Array]:
-        """The form of the paths (`amorsim.kernels.collision.paths`), and their parameters `(M, 3)`.
+    def bind_path(self, motion: Array, travel: Array) -> tuple[int, Callable[[], None]]:
+        """The form of the paths (`amorsim.kernels.collision.paths`), and a function that writes their parameters.
 
-        For an arc, the twist over the whole step; for a line or another form, the displacement.
+        Into `motion` `(M, 3)`, for an arc, the twist over the whole step; for a line or another form, the displacement.
+        For another form also, into `travel` `(M, 2)`, upper bounds of each path's length [m] and turning [rad].
         """
 
-    def travel(self) -> Array:
-        """Length of each path [m] and total turning [rad] in the whole step `(M, 2)`, or upper bounds."""
+    def bind_arrival(self, poses: Array, stop: Array) -> Callable[[], None]:
+        """A function that takes the poses `(M, 3)` after the step, and the fraction `stop` `(M,)` of the step.
+
+        After that fraction each body stood still.
+        """
 
     def poses_at(self, which: Ints, fraction: Array) -> Array:
         """World poses `(Q, 3)` of its bodies number `which` `(Q,)` at fractions `(Q,)` of the step."""
 
-    def arrive(self, poses: Array, stop: Array) -> None:
-        """Take the poses after the step `(M, 3)`, and the fraction of the step after which each stood still `(M,)`."""
+    def blame(self, error: BaseException) -> NoReturn:
+        """Raise an exception of what moves the bodies as one that names them."""
+
+    def bad_motion(self, motion: Array) -> AmorsimError:
+        """The error for motions `(M, 3)` that are not all finite."""
 
 
 @attrs.frozen(kw_only=True)
@@ -83,7 +101,13 @@ class Contact:
 
 
 class Movement:
-    """The step that all movers of a world make together; set up once, because the movers stay the same."""
+    """The step that all movers of a world make together; set up once, because the movers stay the same.
+
+    Attributes
+    ----------
+    end
+        `(T, 3)` the poses of all bodies after the step, as `meet` found them.
+    """
 
     def __init__(self, world: World, movers: Sequence[Mover]) -> None:
         count = len(world.poses)
@@ -94,30 +118,44 @@ class Movement:
         self._mover, self._number = np.full(count, -1, dtype=np.int64), np.zeros(count, dtype=np.int64)
         for index, mover in enumerate(movers):
             self._mover[mover.bodies], self._number[mover.bodies] = index, np.arange(len(mover.bodies))
-        self._form = np.full(count, STANDS, dtype=np.uint8)
-        self._motion = np.zeros((count, 3))
-        self._bound = np.empty(count)
+        self._travel = np.zeros((count, 2))  # of paths of form `OTHER`
         self._fastest = np.empty(world.replicas)
         self._looking = np.empty(count, dtype=np.int64)
-        self._end = np.empty((count, 3))
-        # The kernels write `stop` and, except for form `OTHER`, `bound`.
-        self._paths = Paths(world.poses, self._motion, self._form, self._bound, np.empty(count))
+        self.end = np.empty((count, 3))
+        stands = np.full(count, STANDS, dtype=np.uint8)
+        self._paths = Paths(world.poses, np.zeros((count, 3)), stands, np.empty(count), np.empty(count))
 
-    def make(self) -> tuple[Array, Array, list[Contact]]:
-        """Move all bodies through a step.
+    def path_calls(self) -> Iterator[Call]:
+        """The calls that find the movers' paths through a step."""
+        for mover, rows in self._rows:
+            motion, put_motion, _ = _part_of(self._paths.motion, rows)
+            travel, put_travel, _ = _part_of(self._travel, rows)
+            form, path = mover.bind_path(motion, travel)
+            self._paths.form[rows] = form
+            yield Call("move", f"{mover.label} / path", in_turn([path, *put_motion, *put_travel]), mover.blame)
 
-        Returns
-        -------
-        poses
-            `(T, 3)` the poses afterwards.
-        stop
-            `(T,)` the fraction of the step after which each body stood still, 1 for those that touched nothing.
-        contacts
-            In order of time.
-        """
-        world, paths, end = self._world, self._paths, self._end
-        self._lay_paths()
-        count = set_out(paths, world.bodies.reach, world.first, world.clearance, end, self._fastest, self._looking)
+    def arrival_calls(self) -> Iterator[Call]:
+        """The calls that pass the results of `meet` to the movers, and the resulting velocities to the world."""
+        for mover, rows in self._rows:
+            poses, _, fetch_poses = _part_of(self.end, rows)
+            stop, _, fetch_stop = _part_of(self._paths.stop, rows)
+            arrive = mover.bind_arrival(poses, stop)
+            keep = functools.partial(self._keep_twists, mover, rows)
+            run = in_turn([*fetch_poses, *fetch_stop, arrive, keep])
+            yield Call("move", f"{mover.label} / arrival", run, mover.blame)
+
+    def _keep_twists(self, mover: Mover, rows: slice | Ints) -> None:
+        self._world.twists[rows] = mover.true_twist
+
+    def meet(self) -> list[Contact]:
+        """Move all bodies along their paths until they touch something; the contacts are in order of time."""
+        world, paths, end = self._world, self._paths, self.end
+        bodies = world.bodies.reach, world.first, *world.clearance
+        start, motion, form, bound, stop = paths
+        count = set_out(start, motion, form, self._travel, bound, stop, *bodies, end, self._fastest, self._looking)
+        if count < 0:
+            bad = next(m for m, rows in self._rows if not is_finite(motion[rows]))
+            raise bad.bad_motion(motion[bad.bodies])
         if world.has_parts:
             end[world.parts] = self._at(paths, world.parts, np.ones(len(world.parts)))
         contacts: list[Contact] = []
@@ -132,24 +170,7 @@ class Movement:
                 stopped = np.flatnonzero(paths.stop < 1.0)
                 end[stopped] = self._at(paths, stopped, paths.stop[stopped])
         world.clearance.at[:] = end
-        return end, paths.stop, contacts
-
-    def arrive(self, poses: Array, stop: Array) -> None:
-        """Pass the results of `make` to the movers, and the resulting velocities to the world."""
-        for mover, rows in self._rows:
-            mover.arrive(np.ascontiguousarray(poses[rows]), np.ascontiguousarray(stop[rows]))
-            self._world.twists[rows] = mover.true_twist
-
-    def _lay_paths(self) -> None:
-        """Take the movers' paths through this step."""
-        for mover, rows in self._rows:
-            form, motion = mover.path()
-            self._form[rows] = form
-            self._motion[rows] = motion
-            if form == OTHER:
-                travel = mover.travel()
-                bound = travel[:, 0] + travel[:, 1] * self._world.bodies.reach[rows]
-                self._bound[rows] = np.where(bound < LEAST, 0.0, bound * (1.0 + 1e-9))
+        return contacts
 
     def _at(self, paths: Paths, bodies: Ints, fraction: Array) -> Array:
         """World poses `(Q, 3)` of bodies at fractions `(Q,)`; one that stopped stays where it stopped."""
@@ -222,6 +243,26 @@ def _rows_of(bodies: Ints) -> slice | Ints:
     """An index of some bodies, in order: a slice if they are evenly spaced."""
     step = int(bodies[1] - bodies[0]) if len(bodies) > 1 else 1
     return slice(int(bodies[0]), int(bodies[-1]) + 1, step) if (np.diff(bodies) == step).all() else bodies
+
+
+def _part_of(
+    whole: npt.NDArray[Any], rows: slice | Ints
+) -> tuple[npt.NDArray[Any], list[Callable[[], None]], list[Callable[[], None]]]:
+    """Some rows of an array as one without gaps, which kernels need.
+
+    Also the functions that copy its rows to the whole and back; none where it is a view.
+    """
+    if isinstance(rows, slice) and rows.step == 1:
+        return whole[rows], [], []
+    own = np.array(whole[rows])
+
+    def put() -> None:
+        whole[rows] = own
+
+    def fetch() -> None:
+        own[...] = whole[rows]
+
+    return own, [put], [fetch]
 
 
 def _search_of(a: Ints, b: Ints, asks: npt.NDArray[np.bool_], bodies: int) -> Search:

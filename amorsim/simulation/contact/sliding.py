@@ -13,11 +13,8 @@ __all__ = ["arcs", "bounds", "displaced", "part_bounds"]
 Array = npt.NDArray[np.float64]
 
 
-def arcs(drive: Drive, before: Array, after: Array, slide: Array | None) -> Array:
-    """The twists `(N, 3)` of a step, for drives whose paths are arcs."""
-    twist = drive.twist(before, after)
-    if slide is None:
-        return twist
+def arcs(twist: Array, slide: Array) -> Array:
+    """The twists `(N, 3)` of bodies on arcs, whose wheels alone would make `twist`."""
     return np.where(slide != 0.0, twist + slide, twist)  # adding 0.0 would change the sign of a zero
 
 
@@ -30,7 +27,7 @@ def displaced(drive: Drive, before: Array, after: Array, slide: Array | None, fr
     if slide is None:
         return drive.displacement(before, after, fraction)
     if drive.goes_on_arcs:
-        return exponential(arcs(drive, before, after, slide), fraction)
+        return exponential(arcs(drive.twist(before, after), slide), fraction)
     rolled = drive.displacement(before, after, fraction)
     half = exponential(0.5 * slide, fraction)
     found = compose(compose(half, rolled), half)
