@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+import weakref
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar, NamedTuple
 
 import attrs
@@ -15,6 +15,7 @@ from amorsim.contracts import (
     Clock,
     Context,
     Controller,
+    ControllerBinding,
     Draws,
     Estimate,
     Measurement,
@@ -139,41 +140,51 @@ class UserController(UserCode, Controller):
         ControllerError
             If the user's code raises, or does not return a command.
         """
+        return self._answers(robot, dict(readings), estimate, clock, state).command()
+
+    def bind(self, at: ControllerBinding) -> Callable[[], None]:
+        """Call the user's code with copies of the engine's arrays, of what it looks at."""
+        clock = Clock(tick=at.tick, time=at.time, dt=at.dt)
+
+        def command() -> None:
+            answers = self._answers(at.robot, at.readings, at.estimate, clock, at.state)
+            np.copyto(at.out, answers.command())
+
+        return command
+
+    def _answers(
+        self, robot: RobotModel, readings: Mapping[str, Measurement], estimate: Estimate, clock: Clock, state: State
+    ) -> _Answers:
+        """The answers of the users' code of all rows, which gets copies that it may keep and change."""
         caller = self.asker(state)
-        answers = _Answers(robot, self.title, joints_of(robot, readings))
-        for row, arguments in enumerate(_by_robot(readings, estimate, clock)):
+        answers = _Answers(robot, self.title, readings)
+        poses, covariances = estimate.pose.copy().view(PoseVector), estimate.covariance.copy()
+        times, dt = zip(clock.tick[:, 0].tolist(), clock.time[:, 0].tolist(), strict=True), float(clock.dt)
+        for row, (pose, covariance, (tick, time)) in enumerate(zip(poses, covariances, times, strict=True)):
+            given = RobotReadings(readings, row)
             try:
-                answer = caller(row)(*arguments)
+                answer = caller(row)(given, RobotEstimate(pose, covariance), RobotClock(tick, time, dt))
             except RAISED as error:
                 name = robot.names[row] if robot.names else ""
-                raise self.raised(error, robot.who(row), arguments[-1].time, name) from error
+                raise self.raised(error, robot.who(row), time, name) from error
             answers.take(row, answer)
-        return answers.command()
-
-
-def _by_robot(
-    readings: Mapping[str, Measurement], estimate: Estimate, clock: Clock
-) -> Iterator[tuple[RobotReadings, RobotEstimate, RobotClock]]:
-    """What each robot's code gets; of copies, so that it may keep and change them."""
-    now = dict(readings)  # a robot that keeps its readings keeps those of this step
-    estimates = map(RobotEstimate, estimate.pose.copy().view(PoseVector), estimate.covariance.copy())
-    clocks = map(RobotClock, clock.tick[:, 0].tolist(), clock.time[:, 0].tolist(), itertools.repeat(float(clock.dt)))
-    for row, (believed, time) in enumerate(zip(estimates, clocks, strict=True)):
-        yield RobotReadings(now, row), believed, time
+            kept = weakref.ref(given)
+            del given
+            if (readings_kept := kept()) is not None:
+                readings_kept.keep()
+        return answers
 
 
 class _Answers:
     """Collects the returned values of all rows into one command."""
 
-    def __init__(self, robot: RobotModel, title: str, joints: Array) -> None:
+    def __init__(self, robot: RobotModel, title: str, readings: Mapping[str, Measurement]) -> None:
         self._robot = robot
-        self._joints = joints
+        self._readings = readings
         self._title = title
         self._rates = np.zeros((robot.rows, len(robot.channels)))
-        self._twists = np.zeros((robot.rows, 3))
-        self._speeds = np.zeros((robot.rows, 2))
-        self._gave_twist = np.zeros((robot.rows, 1), dtype=bool)
-        self._gave_speeds = np.zeros((robot.rows, 1), dtype=bool)
+        self._twists: dict[int, list[float]] = {}
+        self._speeds: dict[int, list[float]] = {}
 
     def take(self, row: int, answer: Any) -> None:
         """Keep the answer of a row, or raise `ControllerError`."""
@@ -182,12 +193,10 @@ class _Answers:
             return
         if isinstance(answer, Twist):
             self._twists[row] = self._numbers(row, answer, (answer.forward, answer.left, answer.turn))
-            self._gave_twist[row] = True
         elif isinstance(answer, WheelSpeeds):
             if not hasattr(self._robot.drive, "speeds_to_rates"):
                 raise self._wrong(row, answer, f"a {type(self._robot.drive).__name__} takes no wheel speeds")
             self._speeds[row] = self._numbers(row, answer, (answer.left, answer.right))
-            self._gave_speeds[row] = True
         # Most answers are tuples; whether something is a Sequence takes longer to find out.
         elif isinstance(answer, (tuple, list, np.ndarray, Sequence)) and not isinstance(answer, (str, bytes)):
             is_flat = not isinstance(answer, np.ndarray) or answer.ndim == 1
@@ -205,14 +214,21 @@ class _Answers:
     def command(self) -> Array:
         """The command `(N, c)` of all rows."""
         drive: Any = self._robot.drive
-        whole = self._rates
-        command = whole[:, : len(drive.channels)]
-        if self._gave_twist.any():
-            command = np.where(self._gave_twist, command_along(self._robot, self._twists, self._joints), command)
-        if self._gave_speeds.any():
-            command = np.where(self._gave_speeds, drive.speeds_to_rates(self._speeds), command)
-        whole[:, : len(drive.channels)] = command
-        return whole
+        of_drive = self._rates[:, : len(drive.channels)]
+        if self._twists:
+            rows, twists = self._of_rows(self._twists, 3)
+            joints = joints_of(self._robot, self._readings)
+            of_drive[rows] = command_along(self._robot, twists, joints)[rows]
+        if self._speeds:
+            rows, speeds = self._of_rows(self._speeds, 2)
+            of_drive[rows] = drive.speeds_to_rates(speeds)[rows]
+        return self._rates
+
+    def _of_rows(self, answers: Mapping[int, list[float]], width: int) -> tuple[list[int], Array]:
+        """The rows that gave such answers, and these in an array of all rows, 0 for the others."""
+        rows, whole = list(answers), np.zeros((self._robot.rows, width))
+        whole[rows] = list(answers.values())
+        return rows, whole
 
     def _numbers(self, row: int, answer: Any, values: Any) -> list[float]:
         found = []

@@ -45,12 +45,12 @@ class RobotReading(NamedTuple):
 
 
 class RobotReadings(Mapping[str, RobotReading]):
-    """The readings of one robot by sensor, each made at its first use; the error for an unknown name lists the sensors.
+    """The readings of one robot by sensor, each copied at its first use; an error for an unknown name lists the sensors.
 
-    A robot's code uses few of its sensors in a step.
+    A robot's code uses few of its sensors in a step. `keep` copies the others, if the code kept this mapping.
     """
 
-    __slots__ = ("_made", "_of_all", "_row")
+    __slots__ = ("__weakref__", "_made", "_of_all", "_row")
 
     def __init__(self, of_all: Mapping[str, _Measured], row: int) -> None:
         self._of_all = of_all
@@ -65,6 +65,11 @@ class RobotReadings(Mapping[str, RobotReading]):
             row = self._row
             self._made[name] = RobotReading(measured[row].copy(), stamp.item(row), age.item(row), fresh.item(row))
         return self._made[name]
+
+    def keep(self) -> None:
+        """Copy all readings, before the arrays of all robots change."""
+        for name in self._of_all:
+            self[name]
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._of_all)

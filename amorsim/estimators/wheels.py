@@ -64,7 +64,7 @@ def bind_differences(drive: Drive, before: Array, after: Array, radius: Array, o
     for number, joint in enumerate(_rolling(drive.joints).tolist()):
         calls.append(functools.partial(odometry.turn_joint, before, after, joint, _NUDGE, middle, *turned))
         calls += displace
-        calls.append(functools.partial(odometry.difference_quotients, *moved, _NUDGE, radius, number, out))
+        calls.append(functools.partial(odometry.difference_quotients, moved[0], moved[1], _NUDGE, radius, number, out))
     return in_turn(calls)
 
 
