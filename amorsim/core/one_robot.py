@@ -45,7 +45,7 @@ class RobotReading(NamedTuple):
 
 
 class RobotReadings(Mapping[str, RobotReading]):
-    """The readings of one robot by sensor, each copied at its first use; an error for an unknown name lists the sensors.
+    """The readings of one robot by sensor, each copied at its first use; an unknown name's error lists the sensors.
 
     A robot's code uses few of its sensors in a step. `keep` copies the others, if the code kept this mapping.
     """
