@@ -6,20 +6,22 @@ import functools
 import itertools
 import math
 import types
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import ClassVar
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Aim, Draws, Drive, Mount, Sensor, State, View, parameter
+from amorsim.contracts import Aim, Draws, Drive, Mount, Sensor, SensorBinding, State, View, parameter
 from amorsim.core.parameters import ParameterError
 from amorsim.core.shapes import Shape
 
 __all__ = ["Bumper", "Sector"]
 
 Array = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+Bools = npt.NDArray[np.bool_]
 Point = tuple[float, float]
 _NOTHING: Mapping[str, Array] = types.MappingProxyType({})
 # Outlines replace arcs by chords. A chord deviates from its arc by at most 1 - cos(pi / 64) of the radius.
@@ -75,6 +77,22 @@ class Bumper(Sensor):
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
         """1 where a segment is pressed, else 0 `(N, k)`."""
+        zones, which, there = self._laid_out(view)
+        return self._pressed(view, zones, which, there), _NOTHING
+
+    def bind(self, at: SensorBinding) -> Callable[[], None]:
+        """Lay out the zones of all rows once."""
+        view = at.view
+        zones, which, there = self._laid_out(view)
+        return lambda: np.copyto(at.out, self._pressed(view, zones, which, there))
+
+    def _pressed(self, view: View, zones: tuple[Shape, ...], which: Ints, there: Bools) -> Array:
+        if not zones:
+            return np.zeros(which.shape)
+        return (view.touches(zones, which) & there).astype(np.float64)
+
+    def _laid_out(self, view: View) -> tuple[tuple[Shape, ...], Ints, Bools]:
+        """The zones of all rows, which of them each segment of a row is `(N, k)`, and whether it has one `(N, k)`."""
         reach = np.broadcast_to(self.reach, (view.rows, 1))
         mounts, mine = np.unique(np.concatenate((view.mount, reach), axis=1), axis=0, return_inverse=True)
         zones: list[Shape] = []
@@ -86,10 +104,7 @@ class Bumper(Sensor):
                     which[i, j], there[i, j] = len(zones), True
                     zones.append(zone)
         mine = mine.reshape(-1)
-        if not zones:
-            return np.zeros((view.rows, len(self.segments))), _NOTHING
-        pressed = view.touches(tuple(zones), which[mine]) & there[mine]
-        return pressed.astype(np.float64), _NOTHING
+        return tuple(zones), which[mine], there[mine]
 
     def outlines(self, mount: Mount, shape: Shape) -> list[list[tuple[Point, Point]]]:
         """The lines [m] of each segment on a footprint, in the body's frame, from a mount of one robot."""

@@ -90,14 +90,15 @@ class Chain:
         """The links of the chain: one for neighbouring elements that are steps, one for each other element."""
         steps: list[tuple[NoiseStep, Draws]] = []
         for i in self.corrupts:
-            its = self._steps_of(i) if self.column[i] is None and self.watch is None else ()
-            if its:
-                steps += [(step, self.draws[i]) for step in its]
+            its = [(step, self.draws[i]) for step in self._steps_of(i)] if self.watch is None else []
+            column = self.column[i]
+            if its and column is None:
+                steps += its
                 continue
             if steps:
                 yield _Steps(steps)
                 steps = []
-            yield _Element(self, i)
+            yield _Steps(its, slice(column, None, self.columns)) if its else _Element(self, i)
         if steps:
             yield _Steps(steps)
 
@@ -228,20 +229,29 @@ class _Element:
 
 
 class _Steps:
-    """Neighbouring elements that run in one kernel call."""
+    """Neighbouring elements that run in one kernel call; all of them act on the same columns of a sample."""
 
-    def __init__(self, steps: Steps) -> None:
-        self.steps: Steps | None = steps
-        self._program: NoiseProgram | None = None
-        self._size = 0
+    def __init__(self, steps: Steps, columns: slice | None = None) -> None:
+        self.steps: Steps | None = steps if columns is None else None
+        self._steps, self._columns = steps, slice(None) if columns is None else columns
+        self._before, self._after = np.empty((0, 0)), np.empty((0, 0))
+        self._run: Callable[[], None] | None = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but what is bound to the arrays, which a copy binds again."""
+        return {**vars(self), "_run": None}
 
     def corrupt(self, values: Array, side: Mapping[str, Any], elapsed: Array) -> Array:
-        if self._program is None or self._size != values.shape[1]:
-            self._size = values.shape[1]
-            self._program = NoiseProgram([self._size], [self.steps or ()])
-        out = np.empty(values.shape)
-        self._program.apply(np.ravel(values), out.reshape(-1))
-        return out
+        mine = values[:, self._columns]
+        if self._run is None or self._before.shape != mine.shape:
+            self._before, self._after = np.empty(mine.shape), np.empty(mine.shape)
+            program = NoiseProgram([mine.shape[1]], [self._steps])
+            self._run = program.bind(self._before.reshape(-1), self._after.reshape(-1))
+        self._before[:] = mine
+        self._run()
+        found = np.array(values)
+        found[:, self._columns] = self._after
+        return found
 
 
 _Link = _Element | _Steps

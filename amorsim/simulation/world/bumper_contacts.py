@@ -29,8 +29,7 @@ def find_touched(world: World, own: Ints, zones: Sequence[Shape], which: Ints) -
     touched = np.zeros(which.shape, dtype=np.bool_)
     if not touched.size:
         return touched
-    reach = max(zone.reach for zone in zones)
-    packed = _packed((Shape.circle(reach), *zones), world.shapes)
+    packed, reach = _packed(tuple(zones), world.shapes)
     poses = np.ascontiguousarray(world.poses[own])
     # A disc around all zones first: robots in the open need one test only.
     replica = world.replica_index[own]
@@ -55,8 +54,10 @@ def find_touched(world: World, own: Ints, zones: Sequence[Shape], which: Ints) -
 
 
 @functools.lru_cache(maxsize=64)
-def _packed(zones: tuple[Shape, ...], shapes: tuple[Shape, ...]) -> Bodies:
-    return pack((*zones, *shapes))
+def _packed(zones: tuple[Shape, ...], shapes: tuple[Shape, ...]) -> tuple[Bodies, float]:
+    """A disc around all zones, the zones and the shapes of bodies, in this order; and the radius of the disc [m]."""
+    reach = max(zone.reach for zone in zones)
+    return pack((Shape.circle(reach), *zones, *shapes)), reach
 
 
 def _meets_wall(world: World, packed: Bodies, zone: Ints, poses: Array, replica: Ints) -> Bools:
