@@ -82,7 +82,8 @@ def wrap_angle(angles: Array) -> Array:
     """The same directions in [-pi, pi]; angles already there keep their bits."""
     if not is_numeric(angles):
         raise ParameterError("angles", f"expected numbers [rad], got {in_words(angles)}")
-    angles = np.asarray(angles)
-    turns = np.floor((angles + np.pi) / (2.0 * np.pi))
-    inside = np.abs(angles) <= np.pi
-    return np.asarray(np.where(inside, angles, angles - 2.0 * np.pi * turns))
+    given = np.asarray(angles, dtype=np.float64)
+    flat = given.ravel()
+    out = np.empty_like(flat)
+    kernels.wrap_all(flat, out)
+    return out.reshape(given.shape)

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import types
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Aim, Draws, Drive, Mount, Sensor, State, View, parameter
+from amorsim.contracts import Aim, Draws, Drive, Mount, Sensor, SensorBinding, State, View, parameter
 from amorsim.core.parameters import ParameterError
-from amorsim.sensors.response import check_table, respond, ring_poses
+from amorsim.core.workers import in_turn
+from amorsim.kernels.sensing import readings
+from amorsim.sensors.response import check_table, ring_poses
 
 __all__ = ["Infrared"]
 
@@ -88,14 +91,28 @@ class Infrared(Sensor):
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
         """Counts `(N, k)` from 0 to the saturation."""
-        ahead, beside = np.asarray(self.distances), np.asarray(self.side_distances)
-        spread: Any = self.spread
         origins = ring_poses(view, self.elements, aim)
         k = len(origins) // view.rows
-        fan = np.repeat(spread * np.array([[-1.0, 0.0, 1.0]]), k, axis=0)
-        reach = np.maximum(ahead[:, -1:], beside[:, -1:])
-        ranges = view.cast(origins, fan, reach).reshape(view.rows, k, 3)
-        answer = respond(ranges[:, :, 1], ahead, np.asarray(self.values))
-        for side in (0, 2):
-            answer = answer + respond(ranges[:, :, side], beside, np.asarray(self.side_values))
-        return np.minimum(answer, self.saturation), _NOTHING
+        counts = np.empty((view.rows, k))
+        readings.add_responses(view.cast(origins, *self._rays(k)), *self._tables(), self.saturation, counts)
+        return counts, _NOTHING
+
+    def bind(self, at: SensorBinding) -> Callable[[], None]:
+        """Look along the rays from the engine's own arrays, unless something bends them."""
+        if at.aim is not None:
+            return super().bind(at)
+        ring: Any = self.elements
+        origins, ranges = np.empty((ring.x.size, 3)), np.empty((ring.x.size, 3))
+        place = functools.partial(readings.place_ring, at.pose, ring.x, ring.y, ring.heading, origins)
+        cast = at.view.bind_cast(origins, *self._rays(ring.x.size // at.rows), ranges)
+        add = functools.partial(readings.add_responses, ranges, *self._tables(), self.saturation, at.out)
+        return in_turn([place, cast, add])
+
+    def _rays(self, elements: int) -> tuple[Array, Array]:
+        """Bearings of each element's rays `(N * k, 3)` [rad], and how far the rows look `(N, 1)` [m]."""
+        spread: Any = self.spread
+        fan = np.repeat(spread * np.array([[-1.0, 0.0, 1.0]]), elements, axis=0)
+        return fan, np.maximum(np.asarray(self.distances)[:, -1:], np.asarray(self.side_distances)[:, -1:])
+
+    def _tables(self) -> tuple[Any, Any, Any, Any]:
+        return self.distances, self.values, self.side_distances, self.side_values

@@ -13,7 +13,7 @@ from amorsim.core.parameters import ParameterError
 from amorsim.kernels.sensing import readings
 from amorsim.sensors.sweep import poses_at
 
-__all__ = ["check_table", "respond", "ring_poses", "ring_size"]
+__all__ = ["check_table", "ring_poses", "ring_size"]
 
 Array = npt.NDArray[np.float64]
 
@@ -26,21 +26,6 @@ def check_table(distances: tuple[float, ...], values: tuple[float, ...], names: 
         )
     if not distances or any(b <= a for a, b in itertools.pairwise(distances)):
         raise ParameterError(names[0], f"expected one distance at least, each larger than the one before: {distances}")
-
-
-def respond(ranges: Array, distances: Array, values: Array) -> Array:
-    """Response `(N, k)` of a table to ranges `(N, k)`: linear between points, the first value nearer, 0 farther away.
-
-    `distances` and `values` are `(N, m)`, the table of each row.
-    """
-    answer = np.where(ranges <= distances[:, :1], values[:, :1], 0.0)
-    for i in range(distances.shape[1] - 1):
-        near, far = distances[:, i : i + 1], distances[:, i + 1 : i + 2]
-        first, last = values[:, i : i + 1], values[:, i + 1 : i + 2]
-        # A range of inf contributes nothing. At either end the result is the table's own number, to the bit.
-        part = np.where((ranges > near) & (ranges <= far), (far - ranges) / (far - near), 0.0)
-        answer = np.where((ranges > near) & (ranges <= far), last + (first - last) * part, answer)
-    return answer
 
 
 def ring_size(ring: Any) -> int:

@@ -13,7 +13,18 @@ import numpy.typing as npt
 
 from amorsim.kernels.compile import kernel
 
-__all__ = ["arc", "compose", "directions", "displaced", "exponential", "logarithm", "mean_twists", "relative", "wrap"]
+__all__ = [
+    "arc",
+    "compose",
+    "directions",
+    "displaced",
+    "exponential",
+    "logarithm",
+    "mean_twists",
+    "relative",
+    "wrap",
+    "wrap_all",
+]
 
 Array = npt.NDArray[np.float64]
 
@@ -27,6 +38,16 @@ def wrap(angle: float) -> float:
     if -math.pi <= angle <= math.pi:
         return angle
     return angle - _TURN * math.floor((angle + math.pi) / _TURN)
+
+
+@kernel
+def wrap_all(angles: Array, out: Array) -> None:
+    """The same directions in [-pi, pi] for angles (Q,) [rad], also for numbers beyond those of `wrap`."""
+    for i in range(angles.shape[0]):
+        if -math.pi <= angles[i] <= math.pi:
+            out[i] = angles[i]
+        else:
+            out[i] = angles[i] - _TURN * np.floor((angles[i] + math.pi) / _TURN)
 
 
 @kernel

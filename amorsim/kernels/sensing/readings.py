@@ -11,7 +11,16 @@ import numpy.typing as npt
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.kinematics.poses import wrap
 
-__all__ = ["blank_near", "count_turns", "place_ring", "scatter", "specific_force", "wrap_headings"]
+__all__ = [
+    "add_responses",
+    "blank_near",
+    "count_turns",
+    "place_ring",
+    "response",
+    "scatter",
+    "specific_force",
+    "wrap_headings",
+]
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -44,6 +53,43 @@ def count_turns(joints: Floats, counts: Column, out: Floats) -> None:
     for i in range(out.shape[0]):
         for j in range(out.shape[1]):
             out[i, j] = joints[i, j] / _TURN * counts[i, j if counts.shape[1] > 1 else 0]
+
+
+@kernel
+def response(distance: float, distances: Floats, values: Floats) -> float:
+    """Response of a table (m,) to a distance: linear between points, the first value nearer, 0 farther away."""
+    if distance <= distances[0]:
+        return float(values[0])
+    for i in range(distances.shape[0] - 1):
+        if distances[i] < distance <= distances[i + 1]:
+            # At either end the result is the table's own number, to the bit.
+            part = (distances[i + 1] - distance) / (distances[i + 1] - distances[i])
+            return float(values[i + 1] + (values[i] - values[i + 1]) * part)
+    return 0.0
+
+
+@kernel
+def add_responses(
+    ranges: Floats,
+    distances: Column,
+    values: Column,
+    side_distances: Column,
+    side_values: Column,
+    most: Column,
+    out: Floats,
+) -> None:
+    """What comes back to elements that look along three rays, `ranges` (N * k, 3) [m], into `out` (N, k).
+
+    The middle ray has a table (N, m), those beside it another; the sum is limited to `most` (N, 1).
+    """
+    k = out.shape[1]
+    for i in range(out.shape[0]):
+        for j in range(k):
+            rays = ranges[i * k + j]
+            total = response(rays[1], distances[i], values[i])
+            total += response(rays[0], side_distances[i], side_values[i])
+            total += response(rays[2], side_distances[i], side_values[i])
+            out[i, j] = min(total, most[i, 0])
 
 
 @kernel
