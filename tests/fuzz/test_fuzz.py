@@ -36,21 +36,33 @@ OTHERS = dict.fromkeys(("scenarios", "numbers", "tracks"), COUNT)
 CALLS = {"api": 10_000}  # of all that is public
 # What runs, studies and recordings leave: a minute, too.
 RECORDED = {"runs": 1_500, "chunks": 1_500, "logs": 3_000}
+EVERY = READERS | OTHERS | RECORDED | CALLS
 
 
 def test_readers_get_two_hundred_thousand_inputs() -> None:
     assert sum(READERS.values()) >= 200_000
-    assert set(READERS) | set(OTHERS) | set(RECORDED) | set(CALLS) | {"maps", "faulty"} == set(FUZZERS)
+    assert set(EVERY) | {"maps", "faulty"} == set(FUZZERS)
+
+
+def check(name: str, count: int, folder: Path) -> None:
+    from tests.fuzz.harness import fuzz
+
+    found = fuzz(name, folder, count, SEED)
+    assert not found, f"{len(found)} of {count} inputs of {name}, seed {SEED}:\n" + "\n\n".join(found[:20])
+
+
+@pytest.mark.nightly
+@pytest.mark.skipif(sys.platform != "linux", reason="limits are set as Linux has them")
+@pytest.mark.parametrize(("name", "count"), EVERY.items())
+def test_every_input_ends_with_a_result_or_a_message(name: str, count: int, tmp_path: Path) -> None:
+    check(name, count, tmp_path)
 
 
 @pytest.mark.long
 @pytest.mark.skipif(sys.platform != "linux", reason="limits are set as Linux has them")
-@pytest.mark.parametrize(("name", "count"), [*READERS.items(), *OTHERS.items(), *RECORDED.items(), *CALLS.items()])
-def test_every_input_ends_with_a_result_or_a_message(name: str, count: int, tmp_path: Path) -> None:
-    from tests.fuzz.harness import fuzz
-
-    found = fuzz(name, tmp_path, count, SEED)
-    assert not found, f"{len(found)} of {count} inputs of {name}, seed {SEED}:\n" + "\n\n".join(found[:20])
+@pytest.mark.parametrize(("name", "count"), EVERY.items())
+def test_one_in_ten_inputs_ends_with_a_result_or_a_message(name: str, count: int, tmp_path: Path) -> None:
+    check(name, count // 10, tmp_path)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="limits are set as Linux has them")

@@ -162,7 +162,7 @@ def test_three_thousand_random_rays_agree_with_shapely():
     check_many(3000, 1)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_a_hundred_thousand_random_rays_agree_with_shapely():
     check_many(100_000, 2)
 

@@ -100,7 +100,7 @@ def test_among_walls_of_all_kinds_the_bits_are_the_same() -> None:
     compare_in_line_worlds(worlds=40, poses=24, seed=0)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_among_walls_of_all_kinds_the_bits_are_the_same_at_length() -> None:
     compare_in_line_worlds(worlds=1500, poses=100, seed=1)
 
@@ -131,7 +131,7 @@ def test_among_boxes_of_all_kinds_the_bits_are_the_same() -> None:
     compare_in_bitmaps(worlds=60, poses=24, seed=2)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_among_boxes_of_all_kinds_the_bits_are_the_same_at_length() -> None:
     compare_in_bitmaps(worlds=1500, poses=100, seed=3)
 

@@ -65,7 +65,7 @@ def test_published_lengths(name: str, every: int) -> None:
     check_problems(name, every)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", NAMES)
 def test_all_published_lengths(name: str) -> None:
     check_problems(name, 1)

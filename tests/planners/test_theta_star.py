@@ -118,7 +118,7 @@ def test_as_short_as_known(name: str, mean: float, every: int) -> None:
     check_ratio(BOTH[0], name, mean, every, 4.0 * 0.02 / math.sqrt(40))
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("name", "mean"), [("arena", 0.95725), ("den000d", 0.95726), ("maze-32-32-4", 0.96117), ("16room_000", 0.95250)]
 )

@@ -275,7 +275,7 @@ def test_blobs_in_one_crowded_room_are_the_projected_outlines():
     assert whole > 100
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_a_hundred_thousand_blobs_are_seen_or_not_as_shapely_says_to_one_pixel():
     judged, seen, whole = np.sum([check_crowd(seed) for seed in range(1000, 1031)], axis=0)
     assert judged >= 100_000
