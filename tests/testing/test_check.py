@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -495,6 +495,24 @@ class Understates(Cart):
 
 
 @frozen
+class OtherBoundTwist(Cart):
+    def bind_twist(self, before: Array, after: Array, out: Array) -> Callable[[], None]:
+        return lambda: np.copyto(out, self.twist(before, after) * (1.0 + 1e-15))
+
+
+@frozen
+class RewindsJoints(Cart):
+    """Writes the joints after the step over those before it."""
+
+    def bind_travel(self, before: Array, after: Array, out: Array) -> Callable[[], None]:
+        def write() -> None:
+            out[:] = self.travel(before, after)
+            before[:] = after
+
+        return write
+
+
+@frozen
 class Uneven(Cart):
     """As long as it says, but not evenly: the first half of a step goes farther than half of it."""
 
@@ -911,6 +929,8 @@ BROKEN = {
     Backwards: "limits",
     TwoSpeeds: "shapes",
     LostJacobian: "finite",
+    OtherBoundTwist: "bind",
+    RewindsJoints: "bind",
     JacobianByAngle: "jacobian",
     PlainTuple: "shapes",
     FailsInNumbers: "failed",
