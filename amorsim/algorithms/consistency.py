@@ -1,4 +1,4 @@
-"""Whether a filter is as wrong as it says: NEES, NIS, their bands, and a verdict in words.
+"""Whether a filter's errors fit its covariance: NEES, NIS, their bands, and a verdict in words.
 
 The normalised estimation error squared (NEES) of a filter whose covariance is right has the chi-squared distribution
 with as many degrees of freedom as the state has numbers; the normalised innovation squared (NIS) that of the
@@ -30,7 +30,7 @@ class Consistency:
     Attributes
     ----------
     verdict
-        ``"consistent"``; ``"overconfident"``, if errors are larger than the covariance says; ``"underconfident"``, if
+        ``"consistent"``; ``"overconfident"``, if errors are larger than the covariance; ``"underconfident"``, if
         they are smaller; ``"unknown"`` without any value.
     mean
         Of the values.

@@ -72,7 +72,7 @@ def map_scores(
     resolution
         Side of a cell [m].
     margin
-        How far from 0.5 a probability must be to say something.
+        How far from 0.5 a probability must be to count.
 
     Raises
     ------

@@ -66,7 +66,7 @@ def _problem(plan: Any) -> str:
         return "expected a Plan with `poses`, as its status is 'found', got none"
     if len(plan.trailer) not in (0, len(plan.poses)):
         return f"expected a Plan with a pose in `trailer` for each of `poses`, got {len(plan.trailer)}"
-    for name, most in (("length", LARGEST), ("cost", math.inf)):  # a planner need not say what it minimised
+    for name, most in (("length", LARGEST), ("cost", math.inf)):  # a planner need not state what it minimised
         value: Any = getattr(plan, name)
         if not isinstance(value, (float, int, np.floating, np.integer)) or not 0.0 <= value <= most:
             return f"expected a Plan found whose `{name}` is a number >= 0, got {in_words(value)}"

@@ -1,4 +1,4 @@
-"""UMBmark: what the end points of squares driven both ways round tell of a differential drive.
+"""UMBmark: the systematic errors of a differential drive, from the end points of squares driven both ways round.
 
 J. Borenstein and L. Feng, "Measurement and correction of systematic odometry errors in mobile robots", IEEE Trans.
 Robotics and Automation 12(6), 1996. A robot drives a square by its odometry, several times each way round. An end point

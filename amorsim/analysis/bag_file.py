@@ -49,7 +49,7 @@ def write_bag(files: RunFiles, path: Path, within: Path) -> None:
                                GPS, ``std_msgs/Float64MultiArray`` for others
     =========================  =====================================================================================
 
-    Messages are in the order in which they arrived; stamps say when they were measured. An array has no stamp, so those
+    Messages are in the order in which they arrived; stamps are when they were measured. An array has no stamp, so those
     who read it take it for measured when it arrived. ROS's scans have single precision.
 
     Parameters
@@ -258,7 +258,7 @@ class _Messages:
         return self._numbers(values, [sensor.unit])
 
     def _imu(self, sensor: Compass | Gyro | Imu, header: Any, values: Array) -> Any:
-        """An Imu with what the sensor measures; the covariances say of the rest that it is unknown."""
+        """An Imu with what the sensor measures; the covariances mark the rest as unknown."""
         is_compass = isinstance(sensor, Compass)
         heading = float(values[0]) if is_compass else 0.0
         ahead, left = values[:2].tolist() if isinstance(sensor, Imu) else (0.0, 0.0)

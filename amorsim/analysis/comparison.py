@@ -122,7 +122,7 @@ def _about(studies: Sequence[Study], metric: str) -> dict[str, str]:
 
 
 def _names(studies: Sequence[Study]) -> list[str]:
-    """Names that tell studies apart: their own, or those of their folders."""
+    """Different names for the studies: their own, or those of their folders."""
     own = [str(study.about.get("name", "")) for study in studies]
     if len(set(own)) == len(own):
         return own

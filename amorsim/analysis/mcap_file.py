@@ -174,7 +174,7 @@ def _readings(files: RunFiles, robot: Robot, name: str, replica: int) -> Iterato
 
 
 def _number(value: float) -> float | str | None:
-    """A number as JSON can say it: no number as null, an infinite one as the word that protobuf has for it."""
+    """A number for JSON: nan as null, an infinite one as the word that protobuf has for it."""
     if math.isinf(value):
         return "Infinity" if value > 0.0 else "-Infinity"
     return None if math.isnan(value) else value

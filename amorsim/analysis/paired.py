@@ -1,4 +1,4 @@
-"""Paired differences of systems by values of metrics, each under a key that says which values belong together."""
+"""Paired differences of systems by values of metrics; a key for each value pairs them."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ LEVEL = 0.05
 def paired(
     systems: Mapping[str, Mapping[Key, Sequence[float]]], metrics: Mapping[str, Mapping[str, str]]
 ) -> Comparison:
-    """Compare systems by values of metrics, each under a key that says which belong together.
+    """Compare systems by values of metrics, each under a key that pairs it with those of the other systems.
 
     Parameters
     ----------

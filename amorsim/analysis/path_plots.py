@@ -95,7 +95,7 @@ def _new_map() -> tuple[Figure, Any]:
 
 
 def _frame(figure: Figure, axis: Any, seen: Array) -> None:
-    """Show all that was seen (n, 2), and say what it is."""
+    """Show all that was seen (n, 2), with its label."""
     seen = seen[np.isfinite(seen).all(axis=1)]
     margin = 0.02 * np.ptp(seen, axis=0).max()
     axis.set_xlim(seen[:, 0].min() - margin, seen[:, 0].max() + margin)

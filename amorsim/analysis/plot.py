@@ -36,7 +36,7 @@ def plot_run(
     """Draw a run's pictures of one robot and return where they lie.
 
     Of one replica ``path``, ``speed``, ``wheels``, ``heading``, ``error``, and ``sensor-<name>`` for each sensor that
-    was written; of all replicas together ``path``, ``speed``, ``error`` and ``ends``. Files and titles say which run,
+    was written; of all replicas together ``path``, ``speed``, ``error`` and ``ends``. Files and titles name the run,
     robot, seed and replica it is: ``<run>-<robot>-seed<seed>-path.png``.
 
     Parameters

@@ -245,7 +245,7 @@ def relation_errors(
 ) -> PoseErrors:
     """The errors of an estimated trajectory in known relations between its poses (Kümmerle et al. 2009).
 
-    For data without a true trajectory, experts have said how far apart the robot was at two times, from scans matched
+    For data without a true trajectory, experts have stated how far apart the robot was at two times, from scans matched
     by hand. Nothing is aligned: only motions are compared.
 
     Parameters

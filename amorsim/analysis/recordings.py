@@ -217,7 +217,7 @@ def _listed(topics: Topics) -> str:
 
 
 def _stamp(content: Any, received: int) -> int:
-    """When a message was measured [ns]; when it was received if it does not say so."""
+    """When a message was measured [ns]; when it was received if it has no such time."""
     header = getattr(content, "header", None)
     stamp = getattr(content, "timestamp", None) if header is None else header.stamp
     if stamp is None:

@@ -35,7 +35,7 @@ def draw_speed(velocities: Table) -> Figure:
 
 
 def draw_wheels(velocities: Table) -> Figure | None:
-    """The rates of the joints, and what the encoders say of them; None where there are no joints."""
+    """The rates of the joints, and those by the encoders; None where there are no joints."""
     joints = RunFiles.joints(velocities)
     if not joints:
         return None

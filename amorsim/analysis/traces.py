@@ -1,4 +1,4 @@
-"""What a run's pictures are drawn from: a robot's true poses, and what each of its estimators said, step by step."""
+"""The data of a run's pictures: a robot's true poses, and the estimates of each of its estimators, step by step."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Array = npt.NDArray[Any]
 
 @attrs.frozen(kw_only=True)
 class Estimates:
-    """What one estimator said in S steps of N replicas, and how it is drawn."""
+    """The estimates of one estimator in S steps of N replicas, and how they are drawn."""
 
     name: str
     pose: Array  # (S, N, 3) [m, m, rad]

@@ -58,7 +58,7 @@ def command(
         typer.Option(metavar="DIR", help="Folder for what is found. [default: amorsim-runs/comparison-<number>]"),
     ] = None,
 ) -> None:
-    """Compare systems, or the estimators of one, on the same seeds, worlds and noise; say what may be claimed.
+    """Compare systems, or the estimators of one, on the same seeds, worlds and noise; print what may be claimed.
 
     Draws depend on seed, replica and names alone, so each system meets the same noise: differences are taken pair by
     pair. Intervals and p-values are those of the mean difference, corrected for the number of differences (Holm).

@@ -1,4 +1,4 @@
-"""What all commands say, and where."""
+"""The output that all commands share, and where it goes."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ __all__ = ["command"]
 NO_PATH = 1  # the exit status
 _MANY = 10_000_000  # cells of a map, from which on planning on them takes long
 _COARSE = 0.05  # [m] side of a cell instead
-_QUICK = 5.0  # [s] a plan that took less is made a second time, to say what it takes without what is kept after it
+_QUICK = 5.0  # [s] a plan that took less is made a second time, for its time without what is kept after it
 
 
 def command(
@@ -71,7 +71,7 @@ def command(
 ) -> None:
     """Find a path on a map, print its length, the time it took and its status, and draw it.
 
-    The exit status is 1 if there is no path; the message says why. A minus sign needs an equals sign: --from=-1,2.
+    The exit status is 1 if there is no path; see the message. A minus sign needs an equals sign: --from=-1,2.
     """
     from amorsim.core.errors import AmorsimError
     from amorsim.core.reading import is_file

@@ -26,7 +26,7 @@ def command(
 ) -> None:
     """Draw a run: path, speeds, wheels, heading and every sensor; a colour each for true, measured, estimated.
 
-    Of several replicas it draws all together, unless one is named. Files and titles say which run, robot and seed.
+    Of several replicas it draws all together, unless one is named. Files and titles name run, robot and seed.
     """
     try:
         from amorsim.analysis.files import RunFiles

@@ -36,6 +36,6 @@ def _end_on_interrupt() -> None:
 
 
 def _replace(present: object, handler: signal._HANDLER) -> None:
-    """Handle Ctrl-C by `handler` if it is handled by `present`, and not, say, ignored by a shell's wish."""
+    """Handle Ctrl-C by `handler` if it is handled by `present`, and not, for example, ignored by a shell's wish."""
     if threading.current_thread() is threading.main_thread() and signal.getsignal(signal.SIGINT) is present:
         signal.signal(signal.SIGINT, handler)

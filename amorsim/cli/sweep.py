@@ -35,7 +35,7 @@ def command(
     """Run a scenario over axes, seeds and replicas, measure each, and write one table.
 
     The same command goes on where it stopped. Results do not depend on the number of processes or machines. The exit
-    status is 1 if points failed; the table says why.
+    status is 1 if points failed; the table gives the reasons.
     """
     from amorsim.core.errors import StudyError
     from amorsim.sweeps.read import read_plan

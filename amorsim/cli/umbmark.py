@@ -21,7 +21,7 @@ __all__ = ["command"]
 
 MODEL = "corrected.toml"
 SCENARIO = "corrected-scenario.toml"
-# What of a robot's table a model holds; the rest says where it is, what it does and how it really is.
+# What of a robot's table a model holds; the rest is about its place, its task and its true values.
 _OF_MODEL = ("shape", "on_collision", "ground", "drive", "sensors", "estimators")
 
 

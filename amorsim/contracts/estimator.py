@@ -76,7 +76,7 @@ class Estimator(Component, abc.ABC):
         return None
 
     def sources(self) -> Sequence[tuple[str, str, str]]:
-        """What it uses: a sensor or another source, what that says about the state, and how far it is trusted.
+        """What it uses: a sensor or another source, what that shows of the state, and how far it is trusted.
 
         Called on the estimator as specified, before stacking; ``amorsim check`` prints it as a table.
         """

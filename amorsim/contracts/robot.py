@@ -127,7 +127,7 @@ class Drive(Component, abc.ABC):
         return lambda: np.copyto(out, self.displacement(before, after, whole))
 
     def between(self, before: Array, after: Array, fraction: Array) -> Array:
-        """The joints `(N, j)` after a stop at `fraction`; moving to them displaces the body as `displacement` says."""
+        """The joints `(N, j)` after a stop at `fraction`; moving to them displaces the body as in `displacement`."""
         return before + (after - before) * fraction
 
     def travel(self, before: Array, after: Array) -> Array:

@@ -14,7 +14,7 @@ __all__ = ["ScenarioDocument", "ScenarioLoader"]
 
 @attrs.frozen(kw_only=True)
 class ScenarioDocument:
-    """What another program's file says, as a scenario's own file would say it.
+    """The content of another program's file, as a scenario's own file would have it.
 
     Parameters
     ----------
@@ -24,7 +24,7 @@ class ScenarioDocument:
     remarks
         What was left out or changed, a sentence each.
     lines
-        The line of the file that says what is at a path: ``{"robots.0": 12}``; messages about faults show it.
+        The line of the file for a path: ``{"robots.0": 12}``; messages about faults show it.
     """
 
     tables: dict[str, Any]

@@ -19,5 +19,5 @@ class WorldGenerator(abc.ABC):
 
         All that is random comes from `draws`, which has one row, so that the same seed gives the same cells on every
         machine: leave out sines and the like, whose last bits differ. It must end, so bound all tries. Raises
-        `MapError` if the parameters admit no world; the message says which of them to change.
+        `MapError` if the parameters admit no world; the message names those to change.
         """

@@ -152,7 +152,7 @@ class Ways(NamedTuple):
     def _find(
         self, row: int, world: Map, start: Sequence[float], goal: Sequence[float], footprint: Shape | None
     ) -> Plan:
-        """The planner's plan for a row; what is wrong with it is said with the robot's name."""
+        """The planner's plan for a row; a fault is reported with the robot's name."""
         try:
             return find_plan(self.planner, world, start, goal, footprint)
         except ComponentError as error:

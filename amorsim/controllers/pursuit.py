@@ -44,7 +44,7 @@ class Pursuit(Controller):
     Any drive will do. A drive that turns in place does so when the point is far off its heading. One that cannot takes
     its sharpest curve, and needs room for it.
 
-    It drives backwards where `reverse` says so: it stops at the waypoint, changes direction, and goes on with its rear
+    It drives backwards where `reverse` is set: it stops at the waypoint, changes direction, and goes on with its rear
     in front. A car can thus back into a bay, or turn round in a narrow place.
 
     Parameters

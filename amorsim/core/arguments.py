@@ -41,12 +41,12 @@ _MOST = 1000  # elements of a list that are looked at
 
 
 def checked(function: F) -> F:
-    """Refuse arguments of a public function that are not what its annotations say, before it begins.
+    """Refuse arguments of a public function that do not fit its annotations, before it begins.
 
     On a class it checks those of its constructor. A `float` is a number, also one of NumPy's; an `int` is whole; an
-    array is anything that makes one of numbers. ``Annotated[int, "a number of threads >= 1"]`` says in words what is
-    expected. What an annotation cannot say, as a bound, the function checks itself. It costs some microseconds a call,
-    so it is for what scripts call, not for what a step calls.
+    array is anything that makes one of numbers. ``Annotated[int, "a number of threads >= 1"]`` has words for what is
+    expected. What an annotation cannot express, such as a bound, the function checks itself. It costs some microseconds
+    a call, so it is for what scripts call, not for what a step calls.
 
     Raises
     ------
@@ -89,7 +89,7 @@ def _kind_of(parameter: inspect.Parameter, module: str) -> Any:
 
 
 def _fits(value: object, kind: Any) -> bool:
-    """Whether a value is what an annotation says."""
+    """Whether a value fits an annotation."""
     origin, inner = typing.get_origin(kind), typing.get_args(kind)
     if kind is Any or kind is object or isinstance(kind, TypeVar):
         return True
@@ -127,7 +127,7 @@ def _fits(value: object, kind: Any) -> bool:
 
 
 def _is_array(kind: Any) -> bool:
-    """Whether an annotation says an array of numbers; that of anything, ``NDArray[Any]``, is a class as others."""
+    """Whether an annotation is for an array of numbers; that of anything, ``NDArray[Any]``, is a class as others."""
     if typing.get_origin(kind) is np.ndarray:
         return bool(typing.get_args(kind)[1] != np.dtype[Any])
     return bool(kind == npt.ArrayLike)
@@ -186,7 +186,7 @@ _WORDS = {
 
 
 def _in_words(kind: Any) -> str:
-    """What an annotation says, in words."""
+    """An annotation in words."""
     origin, inner = typing.get_origin(kind), typing.get_args(kind)
     if kind in (types.NoneType, None):
         return "None"
@@ -224,7 +224,7 @@ def path_of(given: object, name: str, expected: str = "a path, as a text or a pa
 
 
 def check_kind(given: object, kind: type, name: str, expected: str) -> None:
-    """Raise a `ParameterError` for what is not of a class; `expected` says what is, with an example."""
+    """Raise a `ParameterError` for a value that is not of a class; `expected` is the words for it, with an example."""
     if not isinstance(given, kind):
         raise ParameterError(name, f"expected {expected}, got {in_words(given)}")
 
@@ -235,7 +235,7 @@ def check_text(given: object, name: str, expected: str = "a text") -> None:
 
 
 def texts(given: object, name: str, expected: str) -> tuple[str, ...]:
-    """The texts of a list; `expected` says what they are, in the plural. One text alone is a mistake for a list."""
+    """The texts of a list; `expected` is the words for them, in the plural. One text alone is a mistake for a list."""
     if isinstance(given, str):
         raise ParameterError(name, f"expected a list of {expected}, as [{given!r}], got a text")
     if not is_list(given):

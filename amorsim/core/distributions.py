@@ -1,4 +1,4 @@
-"""Numbers drawn at random: what a file, a form or a script says of them, and how they are drawn."""
+"""Numbers drawn at random: as a file, a form or a script specifies them, and how they are drawn."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Exceptions, one class for each kind of failure, all under `AmorsimError`.
 
-A message says what failed, what was given, what was expected and what to do.
+A message states what failed, what was given, what was expected and what to do.
 """
 
 from __future__ import annotations
@@ -136,7 +136,7 @@ class Fault:
 
     @property
     def remedy(self) -> str:
-        """What was expected, in the words of the message; empty if the message does not say."""
+        """What was expected, in the words of the message; empty if the message has no such words."""
         if found := re.search(r"[Dd](id you mean .*\?)", self.message):
             return f"D{found[1]}"
         if found := re.search(r"expected (?:(?!, got ).)*", self.message):

@@ -53,7 +53,7 @@ class Interrupt:
         return self
 
     def call(self, step: Callable[[], None]) -> None:
-        """Make a step of the run; the error for code that was broken off in it says where."""
+        """Make a step of the run; the error for code that was broken off in it names the place."""
         self.is_stepping = True
         try:
             step()

@@ -40,7 +40,7 @@ def parse_json(text: str | bytes, table: Callable[[dict[str, Any]], Any] | None 
 
     `table` makes something else of each table.
 
-    Whole numbers of more than 64 bits are read as floats, so that no arithmetic with what a file says overflows.
+    Whole numbers of more than 64 bits are read as floats, so that no arithmetic with a file's numbers overflows.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Temporary folders whose names say which process made them, so that what a killed process left can be removed.
+"""Temporary folders named after the process that made them, so that what a killed process left can be removed.
 
 A name is ``.amorsim-MACHINE-PROCESS-BEGUN-REST``; in the system's temporary folder, ``amorsim-KIND-MACHINE-...``.
 """
@@ -24,7 +24,7 @@ _looked: set[Path] = set()  # folders in which this process has removed what was
 
 
 def own_name(rest: str, prefix: str = HIDDEN) -> str:
-    """A name that says that this process made what has it."""
+    """A name for a folder that this process makes."""
     process = os.getpid()
     return f"{prefix}{_machine()}-{process}-{_begun(process) or 0}-{rest}"
 
@@ -69,7 +69,7 @@ def remove_left(parent: Path) -> None:
 
 @functools.cache
 def _machine() -> str:
-    """What tells this machine, or container, from others that share a disk and have processes of their own."""
+    """What differs between this machine, or container, and others that share a disk and have processes of their own."""
     try:
         processes = str(Path("/proc/self/ns/pid").readlink())
     except OSError:  # not on Linux

@@ -154,7 +154,7 @@ class Map:
         origin
             x, y [m] of the lower left corner in the world, and the yaw [rad] of the rows.
         unknown
-            (rows, cols), not zero where a cell is unknown. `array` tells what rays and bodies meet there.
+            (rows, cols), not zero where a cell is unknown. `array` has what rays and bodies meet there.
         start
             x, y [m] and heading [rad] of a robot's start in the world.
 

@@ -45,7 +45,7 @@ def refuse_too_large(rows: float, cols: float, side: float) -> None:
 
 
 def refuse_too_far(low: NDArray[np.float64], high: NDArray[np.float64], side: float) -> None:
-    """Raise `MapError` if cells lie too far from the world's origin for doubles to tell them apart."""
+    """Raise `MapError` if cells lie too far from the world's origin for doubles to resolve them."""
     farthest = float(np.maximum(np.abs(low), np.abs(high)).max())
     if farthest > _FARTHEST_CELL:
         raise MapError(

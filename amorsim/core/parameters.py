@@ -64,8 +64,8 @@ class Parameter:
     `unit` is ``""`` for a pure number and ``"sensor"`` if it is that of the component's sensor.
     `static` parameters fix shapes (a number of beams): rows that differ in one belong to different groups.
     `live` parameters may change between steps. A `file` is a path: in a scenario, relative to the scenario's folder;
-    a run's folder gets a copy of the file. `frame` says where points are: ``"world"``, ``"body"`` (the frame of the
-    robot or of what it is part of), or ``""`` for what is no point. `refers` says what a text is the name of: one of
+    a run's folder gets a copy of the file. `frame` is where points are: ``"world"``, ``"body"`` (the frame of the
+    robot or of what it is part of), or ``""`` for what is not a point. `refers` is what a text is the name of: one of
     the robot's ``"sensors"``, ``"estimators"`` or ``"joints"``. `component` is the kind of a value that is a component
     itself, one of `COMPONENTS`; files give it as a table with ``use = NAME``. Annotated with ``| None``, there may be
     none.

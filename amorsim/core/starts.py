@@ -109,7 +109,7 @@ def freest_start(
     gaps = least_gaps(world, together, poses, max(world.size))
     best = int(np.argmax(gaps))
     if gaps[best] < 0.0:
-        # Of an overlap, how deep it is says little: it is that in a single cell.
+        # Of an overlap, how deep it is means little: it is that in a single cell.
         dot = Shape.circle(SMALLEST)
         room = wall_gaps(world, [dot], np.array([[x, y, 0.0]]), max(world.size))[0][0] + SMALLEST
         width, height = world.size

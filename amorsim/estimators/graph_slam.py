@@ -43,7 +43,7 @@ class GraphSlam(MapArea, ScanTracker):
     """Maps and localizes at once: key scans are the nodes of a pose graph, which is solved when a loop closes.
 
     It follows the robot as `scan_matching` does. Each key scan is a node, linked to the one before by what wheels and
-    matches said. A new node near an old one, at least `loop_gap` nodes ago, is matched with it. If the match is good,
+    matches gave. A new node near an old one, at least `loop_gap` nodes ago, is matched with it. If the match is good,
     it becomes an edge, and all poses are solved for again. The map is drawn from the key scans at the poses of their
     nodes, and drawn again whenever these move.
 
@@ -158,7 +158,7 @@ class GraphSlam(MapArea, ScanTracker):
         return graph.link(near, graph.count - 1, found.pose, found.information)
 
     def beliefs(self, state: State) -> Beliefs:
-        """The map and the graph, and of this step's match what `scan_matching` says.
+        """The map and the graph, and of this step's match the beliefs of `scan_matching`.
 
         ``occupancy`` (N, rows, cols), nan where nothing was seen, ``occupancy_origin`` [m], ``occupancy_resolution``
         [m]; ``graph_poses`` (N, nodes, 3), nan beyond the last one; ``graph_edges`` (N, edges, 2), -1 beyond the last

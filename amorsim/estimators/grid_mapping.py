@@ -49,7 +49,7 @@ class GridMapping(MapArea, Estimator):
     wheels: dead reckoning. A tracking system without noise gives the true poses, and a map without distortion. Compare
     it with the map at estimated poses to see what their errors do to a map.
 
-    A scan says of each cell at most once that it is hit, or else that it is missed. The map does not grow: it is
+    A scan counts each cell at most once as hit, or else as missed. The map does not grow: it is
     `width` by `height`.
 
     Parameters
@@ -168,7 +168,7 @@ class GridMapping(MapArea, Estimator):
         return Estimate(state["pose"].copy(), state["covariance"].copy())
 
     def _look_up(self, robot: RobotModel, reading: Measurement, scanned: Bools, state: State) -> Bools:
-        """Take the poses that a tracking system gives of its mount; says which rows have one now `(N, 1)`.
+        """Take the poses that a tracking system gives of its mount; returns which rows have one now `(N, 1)`.
 
         Raises
         ------

@@ -78,9 +78,9 @@ def _even_quantile(probability: float, pairs: int) -> float:
 
 @attrs.frozen(kw_only=True)
 class KalmanFilter(Estimator):
-    """Predicts with the nominal drive and corrects with what other sensors measure; for subclasses to say how.
+    """Predicts with the nominal drive and corrects with what other sensors measure; subclasses define how.
 
-    They say by `transform` how what is expected depends on the state: by slopes or by points.
+    Their `transform` gives how expected measurements depend on the state: by slopes or by points.
     """
 
     prediction: str = parameter(

@@ -72,7 +72,7 @@ def _once(make: Callable[Concatenate[Map, P], T]) -> Callable[Concatenate[Map, P
 
 
 class Ends(NamedTuple):
-    """What a beam's end says by its distance to the nearest wall: ``hit`` times a Gaussian, and ``rest`` anywhere."""
+    """The likelihood of a beam's end by its distance to a wall: ``hit`` times a Gaussian, and ``rest`` anywhere."""
 
     std: float  # [m]
     distance_max: float  # [m] at which all walls beyond count

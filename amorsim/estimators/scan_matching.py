@@ -20,10 +20,10 @@ Array = npt.NDArray[np.float64]
 class ScanMatching(ScanTracker):
     """Follows the robot by its wheels, and corrects the pose by matching each scan with a key scan.
 
-    Two stages: the correlative one weighs all poses of a window around what the wheels say; from the best of them,
+    Two stages: the correlative one weighs all poses of a window around the wheels' pose; from the best of them,
     iterative closest points lay the scan's points onto the key scan's lines. The result is put together with what the
-    wheels say, each by its information. Where a scan does not determine the pose, as in a corridor or a round room, it
-    says so (`match_degenerate`), and the wheels alone count in that direction.
+    wheels give, each by its information. Where a scan does not determine the pose, as in a corridor or a round room, it
+    reports that (`match_degenerate`), and the wheels alone count in that direction.
 
     Its errors add up from key to key, slowly: nothing recognises a place that was seen before. The fields are those of
     every estimator that follows scans.

@@ -64,7 +64,7 @@ class ScanTracker(Estimator):
     key_distance, key_angle
         A matched scan becomes the next key when the robot has moved or turned this far since the last key [m, rad].
     window, window_angle
-        How far around the pose that the wheels say the correlative stage looks [m, rad]; 0 leaves that stage out.
+        How far around the wheels' pose the correlative stage looks [m, rad]; 0 leaves that stage out.
     least_share
         Share of a scan's points that must lie on the key scan; a match of fewer is refused.
     degenerate
@@ -158,7 +158,7 @@ class ScanTracker(Estimator):
     def _follow(
         self, who: str, robot: RobotModel, readings: Mapping[str, Measurement], state: State
     ) -> tuple[Bools, tracking.Outlines | None]:
-        """Move the poses by the wheels and correct them by new scans; says which rows ask for a new key `(N, 2)`."""
+        """Move the poses by the wheels and correct them by new scans; returns which rows need a new key `(N, 2)`."""
         check_fresh(who, robot, self.encoder, readings[self.encoder], self.age_max)
         before, after = angles_of(robot, self.encoder, readings[self.encoder].measured, state["joints"])
         moved = reckon(robot.drive, state["pose"], state["spread"], before, after, self.wheel_variance)
@@ -204,12 +204,12 @@ class ScanTracker(Estimator):
         return with_start(Estimate(state["pose"].copy(), covariance), state)
 
     def beliefs(self, state: State) -> Beliefs:
-        """Of this step's match: ``match_correction`` [m, m, rad], ``match_used``, and what tells how good it is.
+        """Of this step's match: ``match_correction`` [m, m, rad], ``match_used``, and measures of how good it is.
 
         ``match_share`` of points on the key scan, ``match_distance`` of these [m], ``match_fit`` of the correlative
         stage, ``match_degenerate`` 1 or 0, ``match_weakest`` the ratio of eigenvalues, ``match_direction`` in which the
-        scan says least (x, y, and turn as a length); nan where nothing was matched. ``scan``: the last scan's points in
-        the world `(N, k, 2)` [m], as the robot believes them to be.
+        scan determines least (x, y, and turn as a length); nan where nothing was matched. ``scan``: the points of the
+        last scan in the world `(N, k, 2)` [m], as the robot believes them to be.
         """
         return LazyBeliefs(self._of_match(state))
 

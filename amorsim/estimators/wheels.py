@@ -228,7 +228,7 @@ def is_current(
 ) -> npt.NDArray[np.bool_]:
     """Whether a pose that the joints `after` have moved is where the robot is `(N, 1)`; no other may be corrected.
 
-    Where a new reading of the encoder is lost, the wheels have moved by what the next one will tell. Until then the
+    Where a new reading of the encoder is lost, the wheels have moved by what the next one will show. Until then the
     pose is not current. Without a new reading it is what it `was` `(N, 1)` in the update before, and at the start it is
     current. An estimator calls this in every update.
     """

@@ -53,7 +53,7 @@ class Thing(NamedTuple):
 
 @attrs.frozen(eq=False)
 class Playground:
-    """What a world says: its picture, row 0 lowest, True where something was drawn; and its objects."""
+    """The content of a world: its picture, row 0 lowest, True where something was drawn; and its objects."""
 
     pixels: npt.NDArray[np.bool_]
     things: tuple[Thing, ...]
@@ -184,7 +184,7 @@ class Khepera(ScenarioLoader):
     """Worlds of the Khepera Simulator 2.0 (``.world``) with a Khepera in them, where it has most room.
 
     Bricks and what else was drawn are walls; corks that were not drawn are obstacles, and lamps that are on are lights.
-    A world says nothing of where the robot is.
+    A world does not contain where the robot is.
     """
 
     extensions: ClassVar[tuple[str, ...]] = (".world",)

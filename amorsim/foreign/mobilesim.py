@@ -67,7 +67,7 @@ class Thing(NamedTuple):
 
 @attrs.frozen(eq=False)
 class RobotMap:
-    """What a map of ARIA says, in metres."""
+    """The content of a map of ARIA, in metres."""
 
     segments: npt.NDArray[np.float64]  # (M, 4) x1 y1 x2 y2
     points: npt.NDArray[np.float64]  # (P, 2)
@@ -87,7 +87,7 @@ class RobotMap:
 
 
 def read_robot_map(path: Path) -> RobotMap:
-    """What a map of MobileSim or ARIA says.
+    """The content of a map of MobileSim or ARIA.
 
     Raises
     ------

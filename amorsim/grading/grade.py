@@ -189,7 +189,7 @@ def _handed_in(grading: _Grading, path: Path) -> tuple[HandedIn | None, str]:
 
 
 def _labels(paths: Sequence[Path]) -> list[str]:
-    """Names that tell submissions apart, fit for files: their stems, or those of their folders too."""
+    """Different names for submissions, fit for files: their stems, or those of their folders too."""
     stems = [path.stem for path in paths]
     if len(set(stems)) < len(stems):
         stems = [f"{path.absolute().parent.name}-{path.stem}" for path in paths]
@@ -197,7 +197,7 @@ def _labels(paths: Sequence[Path]) -> list[str]:
     for stem in stems:
         plain = re.sub(r"[^\w.+-]+", "_", stem)[:_LONGEST_LABEL]
         same = (f"{plain}-{number}" for number in itertools.count(2))
-        # A file system may not tell apart capital letters.
+        # Capital letters are not different ones in some file systems.
         labels.append(
             next(name for name in itertools.chain([plain], same) if name.lower() not in map(str.lower, labels))
         )

@@ -97,7 +97,7 @@ class SubmissionProcess:
             status = self._popen.wait(timeout=1.0)
         except subprocess.TimeoutExpired:
             return ""
-        number = status - 128 if self._first is not None else -status  # as shells and bubblewrap say it
+        number = status - 128 if self._first is not None else -status  # as shells and bubblewrap report it
         return f" by signal {number}" if number > 0 else ""
 
     def close(self) -> None:

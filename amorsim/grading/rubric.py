@@ -44,7 +44,7 @@ class Criterion:
 
 @attrs.frozen(kw_only=True)
 class Rubric:
-    """A rubric, as its file says it.
+    """A rubric, as in its file.
 
     `seeds` is empty unless it is for practice: then `runs` seeds are drawn for each grading. `worlds` are maps that
     replace the scenario's own; the empty name means that one. `files` are given to every submission.

@@ -41,7 +41,7 @@ class Bitmap(MapLoader):
 
     Formats: PNG, BMP, PNM (``.pgm`` and its like), JPEG, GIF and TIFF; of several pictures in a file, the first.
     An image of one colour is all occupied if that is darker than mid grey, else all free. A JPEG without a threshold
-    gets one of 0.5. Transparent parts count as white, as on paper, unless `transparent` says otherwise. A BMP's
+    gets one of 0.5. Transparent parts count as white, as on paper, unless `transparent` is set. A BMP's
     fourth channel, which few programs fill in, is ignored.
     """
 

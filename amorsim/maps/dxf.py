@@ -41,7 +41,7 @@ class Dxf(MapLoader):
     """DXF drawings (``.dxf``): lines, polylines, arcs, circles, ellipses, splines and inserted blocks are walls.
 
     They are seen from above; heights are ignored. A unit of the drawing has the length `unit`, or else the one that its
-    header says, or else 1 mm. Layers that are off or frozen, texts, hatches, dimensions and the like are left out.
+    header sets, or else 1 mm. Layers that are off or frozen, texts, hatches, dimensions and the like are left out.
     """
 
     extensions: ClassVar[tuple[str, ...]] = (".dxf",)

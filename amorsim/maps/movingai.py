@@ -138,7 +138,7 @@ class Problem:
 
     @property
     def is_reachable(self) -> bool:
-        """Whether there is a path; files say 0 for the length where there is none."""
+        """Whether there is a path; files have a length of 0 where there is none."""
         return self.optimal > 0.0 or self.start == self.goal
 
 

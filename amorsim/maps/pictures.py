@@ -34,7 +34,7 @@ _MOST_BYTES = 800_000_000
 _BAND = 500_000
 # [pixels] of several channels from which on a picture is decoded in strips where it can be: 16 MB as a whole.
 _IN_STRIPS = 4_000_000
-_MOST_NUMBERED = 256  # colours, of which a byte says the number
+_MOST_NUMBERED = 256  # colours that a byte can number
 _GREYS = ("1", "L", "F")
 _DEEP = ("I;16", "I;16B", "I;16L", "I;16N", "I")
 _CLEAR = ("LA", "La", "PA", "RGBA", "RGBa")
@@ -279,7 +279,7 @@ def _complaints() -> Iterator[None]:
     try:
         yield
     except Image.DecompressionBombError as error:
-        # Its text says the number, which is known only there.
+        # Its text has the number, which is known only there.
         found = re.search(r"\d+", str(error))
         raise MapError(
             f"it is too large to unpack, with {found[0] if found else 'too many'} pixels: expected {_most_pixels()} at "

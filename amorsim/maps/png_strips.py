@@ -20,12 +20,12 @@ __all__ = ["PngFile", "png_file"]
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _CHANNELS = {2: 3, 4: 2, 6: 4}  # by the type of colour: RGB, grey and opacity, RGB and opacity
 _ANIMATED = (b"acTL", b"fcTL")
-_MOST_KEPT = 4096  # bytes of a chunk that says which colour is transparent; it has 6
+_MOST_KEPT = 4096  # bytes of the chunk for the transparent colour; it has 6
 _PIECE = 1 << 18  # bytes that are read at a time
 
 
 class PngFile(NamedTuple):
-    """What a PNG file says before its pixels, and where these begin."""
+    """The content of a PNG file before its pixels, and where these begin."""
 
     width: int
     height: int
@@ -67,7 +67,7 @@ class PngFile(NamedTuple):
 
 
 def png_file(file: BinaryIO) -> PngFile | None:
-    """What a PNG file says, if it can be decoded in strips; None of any other file.
+    """The content of a PNG file before its pixels, if it can be decoded in strips; None of any other file.
 
     It can if its pixels have several channels of 8 bits, and if it is neither interlaced nor animated. The file is left
     where it was.

@@ -58,7 +58,7 @@ class Ros(MapLoader):
 
     @classmethod
     def sniff(cls, head: bytes) -> bool:
-        """Whether lines of a file's first bytes begin with the keys that say where the picture is, and how large."""
+        """Whether lines of a file's first bytes begin with the keys for where the picture is, and how large."""
         lines = [line.split(b":")[0].strip() for line in head.splitlines()]
         return b"image" in lines and (b"resolution" in lines or b"origin" in lines)
 

@@ -20,7 +20,7 @@ _FLAGS = {"0": False, "1": True, "false": False, "true": True, "no": False, "yes
 
 @attrs.frozen(kw_only=True)
 class MapYaml:
-    """What the file says, checked; `lines` are where its keys stand."""
+    """The file's content, checked; `lines` are where its keys stand."""
 
     image: str
     resolution: float  # [m]
@@ -34,7 +34,7 @@ class MapYaml:
 
 
 def parse_map_yaml(text: str) -> MapYaml:
-    """What a YAML file says about a map.
+    """The content of a YAML file about a map.
 
     Thresholds that are missing are those of `map_server`, 0.65 and 0.196. Keys that no map has are remarked on.
 

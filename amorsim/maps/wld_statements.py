@@ -1,4 +1,4 @@
-"""What a line world says: its statements, and the walls, size and start that they describe.
+"""The content of a line world: its statements, and the walls, size and start that they describe.
 
 A statement a line, lengths in mm, angles in degrees; ``;`` and ``#`` begin a comment::
 
@@ -12,7 +12,7 @@ A statement a line, lengths in mm, angles in degrees; ``;`` and ``#`` begin a co
     X1 Y1 X2 Y2 T H             the same with a thickness and a height (EyeSim)
     X1 Y1 X2 Y2 T H C           the same with a colour, one number
     X1 Y1 X2 Y2 T H R G B       the same with a colour, three numbers
-    floor W H                   size, where width and height say none (EyeSim)
+    floor W H                   size, where there is no width and height (EyeSim)
     floor_texture FILE          left out of the map
     WALL (ID) X Y TH LENGTH     a wall centred on X Y (Saphira's artifacts; TH anticlockwise)
     CORRIDOR (ID) X Y TH LENGTH WIDTH    the two walls of a corridor centred on X Y
@@ -62,7 +62,7 @@ class LineWorld:
 
     `segments` are the walls, (M, 4) world metres ``x1 y1 x2 y2``; `extent` is the smallest
     ``(xmin, ymin, xmax, ymax)`` [m] that holds them and the size given; `start` is the robot's
-    ``(x, y, heading)`` [m, m, rad] or None; `warnings` tell which lines were left out and why. `lines` say where each
+    ``(x, y, heading)`` [m, m, rad] or None; `warnings` list the lines left out, and why. `lines` are where each
     wall is written, and `outside` is the last line after which no frame is open.
     """
 

@@ -25,7 +25,7 @@ def with_walls(
     remove: Collection[int] = (),
     push_sign: str = "clockwise",
 ) -> str:
-    """The text of a line world with other walls; lines that say nothing of them keep every byte.
+    """The text of a line world with other walls; lines about other things keep every byte.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def with_walls(
 
 
 def _rewritten(line: str, where: WallLine, walls: Sequence[Wall], end: str) -> str:
-    """A line that says these walls in place of its own."""
+    """A line for these walls in place of its own."""
     said = [" ".join(_in_frame(wall, where.frame)) for wall in walls]
     four = _FOUR.fullmatch(line)
     if where.is_plain and len(said) == 1 and four is not None:

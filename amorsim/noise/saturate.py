@@ -15,7 +15,7 @@ __all__ = ["Saturate"]
 
 @attrs.frozen(kw_only=True)
 class Saturate(Noise):
-    """Values beyond the range of a device read as its end; inf stays inf, for it says that nothing returned.
+    """Values beyond the range of a device read as its end; inf stays inf, as it means that nothing returned.
 
     Parameters
     ----------

@@ -46,7 +46,7 @@ class CellPlanner(Planner):
 
 
 def free_ends(cells: Cells, start: Place, goal: Place) -> tuple[int, int] | Plan:
-    """The cells of start and goal, or the plan that says which of them is blocked."""
+    """The cells of start and goal, or the plan that names the blocked one."""
     places = []
     for name, (x, y, _) in (("start", start), ("goal", goal)):
         place = cells.cell_at(x, y)

@@ -51,7 +51,7 @@ class Query:
         return gaps
 
     def blocked(self, name: str, pose: Pose) -> Plan | None:
-        """The plan that says that the start or goal, `name`, is blocked, or None if it is free."""
+        """The plan for a start or goal, `name`, that is blocked, or None if it is free."""
         x, y, heading = pose
         gap = float(self.gaps(np.array([pose]))[0])
         if gap >= self.clearance:

@@ -42,7 +42,7 @@ class PotentialField(GridPlanner):
     The potential is the distance to the goal [m], and within `influence` of a wall, at a gap g, more by
     ``strength * (1 / g - 1 / influence)**2 / 2``. A robot that follows it needs no map and no memory; but where walls
     lie across its way it comes to rest before it reaches the goal. Then the status is ``"unreachable"``, the message
-    says where it rests and whether there is a path, and `Plan.searched` leads there. `potential` gives all traps.
+    states where it rests and whether there is a path, and `Plan.searched` leads there. `potential` gives all traps.
 
     After O. Khatib, "Real-time obstacle avoidance for manipulators and mobile robots", IJRR 5, 1986; on why there are
     traps, Y. Koren and J. Borenstein, "Potential field methods and their inherent limitations", ICRA 1991.

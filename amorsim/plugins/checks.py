@@ -145,7 +145,7 @@ def _check_attrs(kind: str, cls: type) -> Iterator[str]:
         yield f"the types of its fields cannot be read: {type(error).__name__}: {error}"
         return
     problems = [problem for parameter in described.values() for problem in _check_field(parameter)]
-    # The words for a key and a default are made of what a field says of itself.
+    # The words for a key and a default are made of the field's own description.
     yield from problems or [*_check_keys(described), *_check_defaults(cls, described)]
 
 

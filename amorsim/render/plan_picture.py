@@ -44,7 +44,7 @@ def draw_plan(
     """A picture of a plan on its map, RGB, `size` pixels along its longer side.
 
     What was searched is shaded blue, from light (first) to dark (last), with the lines between the places searched, if
-    the planner tells of them. The path is red, with the footprint along it; a ring marks the start, a disc the goal.
+    the planner has them. The path is red, with the footprint along it; a ring marks the start, a disc the goal.
 
     Raises
     ------

@@ -62,7 +62,7 @@ def significant(value: float, digits: int = 4) -> str:
 
 
 def rounded(value: float, half_width: float) -> str:
-    """A number with as many places as its interval can tell: to two digits of half the interval's width.
+    """A number with as many places as its interval allows: to two digits of half the interval's width.
 
     Without a width, as `significant`.
     """

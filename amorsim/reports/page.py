@@ -120,6 +120,6 @@ def _words(text: str) -> str:
 
 
 def interval_cell(value: float, low: float, high: float) -> str:
-    """A value with its interval, rounded to what that can tell: ``0.030 [0.025, 0.036]``."""
+    """A value with its interval, rounded to the places that it allows: ``0.030 [0.025, 0.036]``."""
     mean, first, last = with_interval(value, low, high)
     return f"{mean} [{first}, {last}]" if low < high else mean

@@ -177,7 +177,7 @@ def _metric(each: dict[str, Any]) -> str:
 
 
 def _origin(page: Page, origin: dict[str, Any]) -> None:
-    """How a comparison was made; nothing where its file does not say it."""
+    """How a comparison was made; nothing where its file does not contain it."""
     if not origin:
         return
     page.heading("How it was made")

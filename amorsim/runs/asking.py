@@ -1,4 +1,4 @@
-"""What a run asks of its recorders; what goes wrong in one is said with its name."""
+"""Calls of a run's recorders; the error of one names it."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ TOLERANCE = 2e-6
 class Difference:
     """Where two runs' files first differ.
 
-    `is_small` says that no number of any file differs by more than `TOLERANCE`, relative to its size if that is
+    `is_small`: no number of any file differs by more than `TOLERANCE`, relative to its size if that is
     more than 1.
     """
 

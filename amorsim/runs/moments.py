@@ -30,7 +30,7 @@ class TimedLines:
     path
         The file.
     name
-        Of the file within the folder, without ``.csv``: it says which columns there must be.
+        Of the file within the folder, without ``.csv``: it sets which columns there must be.
     with_replicas
         Whether the column `replica` must be there.
     damaged

@@ -94,7 +94,7 @@ class Reel:
     Raises
     ------
     ParameterError
-        If a number is out of range, or the name does not end in ``.gif`` or ``.mp4``, as `kind` says.
+        If a number is out of range, or the name does not end in ``.gif`` or ``.mp4``, as `kind` requires.
     RunError
         If the file's folder is not there, it is a folder itself, or imageio-ffmpeg is missing.
     """

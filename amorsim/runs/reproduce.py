@@ -118,7 +118,7 @@ def _steps_done(folder: Path, about: Mapping[str, Any]) -> int:
         raise RunError(f"{path}: is damaged: expected a number of steps under 'steps_done', got nothing")
     if set(about["digests"]) != set(map(str, about["replicas"])):
         raise RunError(f"{path}: is damaged: expected a digest of each of the 'replicas' under 'digests'")
-    # A wrong number would keep the simulation busy for as long as it says.
+    # A wrong number would keep the simulation busy for that long.
     last = last_line(folder / "poses.csv")
     there = -1.0 if last is None else last.real("time") / about["dt"]
     if not abs(there - steps) <= 0.5:

@@ -31,7 +31,7 @@ def run(
     """Simulate `scenario` and write its files into `folder`, which must not exist or be empty.
 
     `progress` is called after every step with the share done, between 0 and 1. Ctrl-C ends the run after the present
-    step with its files whole, and the summary says that it is not complete. A second one raises `KeyboardInterrupt`;
+    step with its files whole, and the summary states that it is not complete. A second one raises `KeyboardInterrupt`;
     so does the first where a controller or plugin does not return.
 
     Parameters

@@ -116,7 +116,7 @@ class RunSession:
         scenario = attrs.evolve(scenario, seed=simulation.seed, duration=duration)
         resolved_table(scenario, maps_in_files=False)  # complains before there is a folder
         self.steps = 0
-        self._is_kept = is_kept  # or else the folder is soon removed, and errors do not say what is in it
+        self._is_kept = is_kept  # or else the folder is soon removed, and errors do not mention its content
         self._simulation = simulation
         self._scenario = scenario
         self._summary: RunSummary | None = None
@@ -218,7 +218,7 @@ class RunSession:
         return self._summary
 
     def close(self, status: str = "finished") -> RunSummary:
-        """Close the files, draw the picture, and say in ``run.json`` how the run ended."""
+        """Close the files, draw the picture, and write how the run ended into ``run.json``."""
         if self._summary is not None:
             return self._summary
         self._expect_original()
@@ -315,12 +315,12 @@ class RunSession:
         try:
             self.close("interrupted" if issubclass(kind, KeyboardInterrupt) else "broken off")
         except RunError as second:
-            if str(second) != str(error):  # the first one says why
+            if str(second) != str(error):  # the first one has the reason
                 error.add_note(str(second))
         self._note_files(error)
 
     def _note_files(self, error: BaseException) -> None:
-        """Let an error say once how far the files go."""
+        """Let an error state once how far the files go."""
         if self._is_kept and self._files_reach() not in getattr(error, "__notes__", ()):
             error.add_note(self._files_reach())
 

@@ -168,7 +168,7 @@ def read_columns(path: Path, name: str, *, with_replicas: bool = False) -> dict[
     Parameters
     ----------
     name
-        Of the file within the folder, without ``.csv``, such as ``"poses"`` or ``"sensors/laser"``: it says which
+        Of the file within the folder, without ``.csv``, such as ``"poses"`` or ``"sensors/laser"``: it sets which
         columns there must be.
     with_replicas
         Whether the column `replica` must be there, in amorsim's own files.

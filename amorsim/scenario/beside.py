@@ -17,7 +17,7 @@ __all__ = ["files_beside", "make_importable"]
 def files_beside(path: Path, data: bytes | None = None) -> dict[str, Path]:
     """The files that a file of Python imports from its own folder, and those that these import, by name in the folder.
 
-    Found in the text, wherever in it an import stands; of a package all its files. `data` is what the file says, if
+    Found in the text, wherever in it an import stands; of a package all its files. `data` is the file's content, if
     that has been read. What cannot be read or is no Python imports nothing.
     """
     folder = path.parent
@@ -56,8 +56,8 @@ def _imported(file: Path, data: bytes | None) -> set[str]:
 def make_importable(beside: Mapping[str, Path]) -> None:
     """Let the names be imported of what `files_beside` found, from now on, so that a function may import them too.
 
-    A module that was imported so for another file stays where it says the same, for what was made of it; where it says
-    something else, it is imported again.
+    A module that was imported so for another file stays, for what was made of it, if its content is the same; if not,
+    it is imported again.
     """
     said: dict[str, dict[str, bytes]] = {}
     places: dict[str, Path] = {}
@@ -80,14 +80,14 @@ def make_importable(beside: Mapping[str, Path]) -> None:
 
 
 class _Known(NamedTuple):
-    """Where a name is imported from, and what the files said."""
+    """Where a name is imported from, and the content of the files."""
 
     file: Path
     said: Mapping[str, bytes]
 
 
 class _Loader(SourceFileLoader):
-    """Compiles what the file says: a cache next to it is not ours to write, and may be stale."""
+    """Compiles the file's content: a cache next to it is not ours to write, and may be stale."""
 
     def path_stats(self, path: Any) -> Mapping[str, Any]:
         raise OSError("no cache")

@@ -42,7 +42,7 @@ def set_robots(document: Document, before: Sequence[Robot], after: Sequence[Robo
     Raises
     ------
     DocumentError
-        If the document cannot say it: robots of one table with ``count`` are not alike any more, or it does not mean so
+        If the document cannot express it: robots of one table with ``count`` differ now, or it does not allow so
         many robots.
     ScenarioError
         If a file cannot name something in a robot.
@@ -88,13 +88,13 @@ def _is_chain(at: Path_, value: Any) -> bool:
 
 
 def _is_said(document: Document, at: Path_, chain: Any) -> bool:
-    """Whether the file itself says a chain that has as many elements as this one."""
+    """Whether the file itself contains a chain that has as many elements as this one."""
     there = found_at(document.values, at)
     return isinstance(there, list) and isinstance(chain, list) and len(there) == len(chain)
 
 
 def _set_chain(document: Document, path: str, before: list[dict[str, Any]], after: list[dict[str, Any]]) -> None:
-    """Change a chain that the file says, element by element: what stays keeps its place and its comments."""
+    """Change a chain of the file, element by element: an element that stays keeps its place and its comments."""
     kept = {element["name"] for element in after}
     there = {element["name"]: element for element in before}
     names = list(there)
@@ -123,7 +123,7 @@ def _set_chain(document: Document, path: str, before: list[dict[str, Any]], afte
 
 
 def _leave_out_defaults(document: Document, path: str) -> None:
-    """Leave out what a new element says though it holds anyway."""
+    """Remove from a new element what holds without it."""
     element = document.get(path)
     for key, value in element.items():
         if key == "use":
@@ -139,13 +139,13 @@ def _dotted(at: Path_) -> str:
 
 
 def _differences(before: Any, after: Any, path: Path_) -> Iterator[tuple[Path_, Any]]:
-    """The paths at which two tables differ, and what is in the second; `MISSING` where it says nothing."""
+    """The paths at which two tables differ, and the second's values; `MISSING` where it has none."""
     if are_same(before, after):
         return
     if _is_chain(path, after):
         yield path, after
     elif path[1:] and path[0] == "errors" and after is MISSING and is_error(before):
-        yield path, {"scale": 1.0}  # which `Document.set` leaves out where no model says another
+        yield path, {"scale": 1.0}  # which `Document.set` leaves out where no model sets another
     elif path[1:] and path[0] == "errors" and after is not MISSING and is_error(after):
         yield path, {key: value for key, value in after.items() if not are_same(value, _NO_ERROR.get(key))}
     elif path[:1] == ("errors",) and isinstance(before, dict) and after is MISSING:

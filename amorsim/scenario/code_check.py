@@ -29,7 +29,7 @@ __all__ = ["check_code", "check_time_limit"]
 
 MOST_OUTPUT = 1_000_000  # bytes
 _START = 120.0  # [s] that the process has to start: it loads numpy and numba, on a machine that may be busy
-_GRACE = 2.0  # [s] for it to say where it is
+_GRACE = 2.0  # [s] until it reports its place
 _REST = 1.0  # [s] for the last lines of a process that has ended
 _FRAME = re.compile(r'File "(.*)", line (\d+) in ')
 
@@ -93,7 +93,7 @@ def check_time_limit(value: float) -> None:
 
 
 class _Trial:
-    """A process that loads one program after another, and what it says.
+    """A process that loads one program after another, and its answers.
 
     `broken` is the number of the program with which it broke off, what happened, and whether the file had been loaded.
     """
@@ -205,7 +205,7 @@ class _Trial:
             self._said.append(line)
 
     def _ask_where(self, process: subprocess.Popen[bytes]) -> None:
-        """Let the process say where it is."""
+        """Let the process report where it is."""
         if not hasattr(signal, "SIGUSR1"):
             return
         with contextlib.suppress(OSError):

@@ -44,7 +44,7 @@ def main() -> None:
 
 
 class _Answers:
-    """The lines for the process that asked; a copy of this one that a program has forked says nothing, and ends."""
+    """The lines for the process that asked; a copy of this one that a program has forked writes nothing, and ends."""
 
     def __init__(self, pipe: IO[str]) -> None:
         self.pipe = pipe

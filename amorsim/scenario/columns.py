@@ -47,7 +47,7 @@ def _is_word(text: object) -> bool:
 
 def column_problem(sensor: Sensor, noise: type[Noise], column: str) -> str:
     """What is wrong with a noise element of this class being for this column of a sensor, or nothing."""
-    if columns_problem(sensor):  # said of the sensor itself, by those who know its name
+    if columns_problem(sensor):  # reported for the sensor itself, where its name is known
         return ""
     columns = sensor.columns()
     if column in columns:

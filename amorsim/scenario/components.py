@@ -70,7 +70,7 @@ def read_chain(
 ) -> tuple[NoiseElement, ...]:
     """The elements of a noise chain in a list of tables; `unit` is that of the values, None if not known.
 
-    Where a `sensor` has columns, an element's ``column`` says which it is for, and so in what unit it is.
+    Where a `sensor` has columns, an element's ``column`` names the one that it is for, which gives its unit.
 
     An element without a name is called after its ``use``, the second of a kind ``<use>_2`` and so on.
     """

@@ -1,4 +1,4 @@
-"""What the tables of a scenario say: completed from models, read and checked."""
+"""The content of a scenario's tables: completed from models, read and checked."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _TIMES = ("dt", "duration", "seed")
 
 
 def book_of(written: Written, path: Path) -> Book:
-    """A book for what a file says, with the faults of its lines that are no TOML."""
+    """A book for a file's content, with the faults of its lines that are not TOML."""
     book = Book(Source(file=str(path), folder=path.parent))
     book.has_lost_lines = bool(written.bad)
     for fault in written.faults(str(path)):
@@ -64,7 +64,7 @@ _OTHERS = {"metrics": "a study runs with `amorsim sweep`", "criteria": "a rubric
 
 
 def _not_a_scenario(document: Mapping[str, Any]) -> str:
-    """What to say of a file with other tables than those of a scenario, however misspelt; empty for a scenario."""
+    """The message for a file with other tables than those of a scenario, however misspelt; empty for a scenario."""
     others = [str(key) for key in document if key not in _KEYS]
     if len(others) < 2 or set(_KEYS[2:]) & set(document) or any(did_you_mean(key, _KEYS) for key in others):
         return ""
@@ -166,7 +166,7 @@ def _check_names(names: Mapping[tuple[str, ...], list[str]], *lists: Node) -> No
 
 
 def _said_names(node: Node) -> list[str]:
-    """What the bodies of a table with faults are called, as far as its words say; with a wrong count nobody knows."""
+    """The names of the bodies of a table with faults, as far as it has them; with a wrong count nobody knows."""
     name = node.value.get("name") if node.is_table else None
     if not isinstance(name, str):
         return []

@@ -122,7 +122,7 @@ def load_controller(path: Path, name: str, options: Mapping[str, Any], kind: str
 def load_program(path: Path, name: str) -> Any:
     """The function or class called `name` in a Python file.
 
-    The file is run as a module of its own; one that says the same is run once in a process. It may import
+    The file is run as a module of its own; one with the same content is run once in a process. It may import
     what lies next to it.
 
     Raises
@@ -147,7 +147,7 @@ def no_such_name(path: Path, name: str, there: Iterable[str]) -> ControllerError
 
 
 def read_program(path: Path) -> bytes:
-    """What a Python file says; raises `ControllerError`."""
+    """The content of a Python file; raises `ControllerError`."""
     try:
         return read_bytes(path)
     except (OSError, ValueError) as error:
@@ -161,7 +161,7 @@ def _load_module(path: Path) -> ModuleType:
     beside = files_beside(path, data)
     said = [data, *(part for name, file in beside.items() for part in (name.encode(), file.read_bytes()))]
     digest = hashlib.blake2b(b"\0".join([str(path).encode(), *said]), digest_size=8).hexdigest()
-    # Named after what it says: an edited file is another module; pickled objects of the old one stay whole.
+    # Named after its content: an edited file is another module; pickled objects of the old one stay whole.
     module_name = f"{_MODULE}{digest}"
     if module_name in sys.modules:
         return sys.modules[module_name]

@@ -36,7 +36,7 @@ def converted(
     source
         A map alone, another program's file, a scenario's file, or the name of a bundled one.
     scenario
-        What was read from it, with the changes: robots whose place the file does not say start where they do in it.
+        What was read from it, with the changes: robots whose place the file does not give start where they do in it.
     of_map
         The options of a map alone, None for all others.
     changes

@@ -158,7 +158,7 @@ class Copies:
         return self._names[file]
 
     def of_text(self, file: Path, text: str) -> str:
-        """The name of a file's copy that says `text` in place of what the file says."""
+        """The name of a file's copy that contains `text` in place of the file's own."""
         key = str(file)
         if key not in self._names:
             name, number = file.name, 1

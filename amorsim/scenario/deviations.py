@@ -1,4 +1,4 @@
-"""Errors of robots in documents: tables that lead to numbers, and say how true differs from nominal."""
+"""Errors of robots in documents: tables that lead to numbers, and set how true differs from nominal."""
 
 from __future__ import annotations
 

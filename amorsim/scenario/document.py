@@ -74,7 +74,7 @@ class Document:
     """A scenario's file as its author wrote it: read, changed in places, checked and saved; made by `open_document`.
 
     A path leads to a value as in ``--set``: ``"robots.rover.drive.track"``, with the names or the numbers of robots
-    and of other things in lists. A change touches the lines that say what it is about, and no others: comments, order,
+    and of other things in lists. A change touches the lines of what it is about, and no others: comments, order,
     blank lines and the spelling of numbers stay.
     """
 
@@ -115,15 +115,15 @@ class Document:
     # ---------------------------------------------------------------------------------------------------------- values
 
     def get(self, path: str) -> Any:
-        """The value that holds at a path, as files say it: angles in degrees, tables as dicts.
+        """The value that holds at a path, as files have it: angles in degrees, tables as dicts.
 
-        It is the file's own, or else that of the robot's model, of a device, or a default; `inherited` says which. A
-        table has what the file and the model say in it.
+        It is the file's own, or else that of the robot's model, of a device, or a default (see `inherited`). A
+        table has the entries of the file and of the model.
 
         Raises
         ------
         DocumentError
-            If nothing says it.
+            If there is no value.
         """
         values = self._editor.values
         at = self._at(path)
@@ -136,12 +136,12 @@ class Document:
         return plain(value)
 
     def inherited(self, path: str) -> Origin:
-        """Where the value comes from that holds at a path, and what would hold if the file did not say it.
+        """Where the value at a path comes from, and what would hold if the file did not set it.
 
         Raises
         ------
         DocumentError
-            If nothing says it.
+            If there is no value.
         """
         at = self._at(path)
         origin = self._origins.find(self._editor.values, at)
@@ -156,7 +156,7 @@ class Document:
         """Say a value at a path, in the place of the one that is there.
 
         Of a table or a list, only what differs is written. What holds anyway is left out: a value that is set back to
-        what the model, a device or a default says is removed from the file. A default stays if the file said it when
+        what the model, a device or a default sets is removed from the file. A default stays if the file said it when
         it was opened, and so does a coordinate. An error that changes nothing goes as a whole. Another ``use`` is
         another component: the keys of the one before go.
 
@@ -173,7 +173,7 @@ class Document:
     def _override(self, path: Sequence[str], value: Any) -> Path_:
         """Set the value at a path given by its parts; returns the path of what was made for it.
 
-        That is the path of the value, or of the first table on the way that neither the file nor a model says.
+        That is the path of the value, or of the first table on the way that neither the file nor a model has.
         """
         at, value = self._at(path), plain(value)
         merged = self._origins.merged(self._editor.values, at)
@@ -183,12 +183,12 @@ class Document:
         return made
 
     def remove(self, path: str) -> None:
-        """Leave out what the file says at a path: a value, a table or an item of a list.
+        """Remove from the file what is at a path: a value, a table or an item of a list.
 
         Raises
         ------
         DocumentError
-            If the file says nothing of it.
+            If the file has nothing there.
         """
         at = self._at(path)
         if not at or found_at(self._editor.values, at) is MISSING:
@@ -229,15 +229,15 @@ class Document:
         return ".".join(map(str, (*at, place)))
 
     def move(self, path: str, index: int) -> str:
-        """Put an item of a list elsewhere in it, with all that the file says of it; returns its path there.
+        """Move an item of a list, with all of it that the file has; returns its path there.
 
-        What is in a table moves among what the file says in the table: the first of a robot's estimators is the one
+        What is in a table moves among what the file has in the table: the first of a robot's estimators is the one
         that its controller gets.
 
         Raises
         ------
         DocumentError
-            If the file says nothing at the path, or the list or table has no such place.
+            If the file has nothing at the path, or the list or table has no such place.
         """
         at = self._at(path)
         if found_at(self._editor.values, at) is MISSING:
@@ -263,7 +263,7 @@ class Document:
         place: Any = self._editor.values
         at: Path_ = ()
         for number, part in enumerate(parts):
-            if number == self._setter.models_begin:  # a model may have what the file does not say
+            if number == self._setter.models_begin:  # a model may have what the file does not
                 place = found_at(self._origins.merged(self._editor.values, (*at, part)), at)
             if isinstance(path, str) and not part.strip():
                 raise DocumentError(f"expected a path, as 'robots.rover.drive.track', got {shown(path)}")

@@ -50,14 +50,14 @@ class Editor:
 
     @property
     def layout(self) -> Layout:
-        """Where each path is said."""
+        """Where the file has each path."""
         if self._layout is None:
             self._layout = Layout(self.statements)
         return self._layout
 
     @property
     def _new(self) -> NewLines:
-        """Writes what the file does not say yet."""
+        """Writes what the file does not have yet."""
         return NewLines(self.statements, self.layout, self._newline)
 
     def apply(self, splice: Splice, *, back: bool = False) -> None:
@@ -65,7 +65,7 @@ class Editor:
         old, new = (splice.new, splice.old) if back else (splice.old, splice.new)
         self.statements[splice.start : splice.start + len(old)] = new
         self.values = splice.old_values if back else splice.new_values
-        # A pair that says the same path leaves all others where they are.
+        # A pair with the same path leaves all others where they are.
         if [each.keys for each in old] != [each.keys for each in new] or any(each.kind != "pair" for each in new):
             self._layout = None
 

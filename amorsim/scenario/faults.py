@@ -35,7 +35,7 @@ class Source:
 
 @attrs.define
 class Branch:
-    """A part of the document: where it came from, if that was said, and the parts below of which something was."""
+    """A part of the document: its origin, if that is known, and the parts below whose origin is."""
 
     source: Source | None = None
     below: dict[str, Branch] = attrs.field(factory=dict)
@@ -92,7 +92,7 @@ class Book:
         self.set_branch(path, Branch(source))
 
     def set_branch(self, path: Path_, branch: Branch) -> None:
-        """From now on, what is at `path` came from where `branch` says."""
+        """From now on, the origin of `path` is that of `branch`."""
         place = self._root
         for part in path:
             place = place.below.setdefault(part, Branch())

@@ -37,7 +37,7 @@ class _At(NamedTuple):
     rest: Path_
     unit: str = ""
     names: tuple[str, ...] | None = None  # of the fields that count
-    default: Any = None  # where nothing says the table: the component that it is by default,
+    default: Any = None  # where there is no table: the component that it is by default,
     use: str = ""  # and the name of its class
 
 

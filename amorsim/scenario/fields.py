@@ -204,7 +204,7 @@ def _map_numbers(function: Any, value: Any) -> Any:
 
 
 def _plain(kind: Any, value: Any) -> Any:
-    """The value with a float wherever the type says so: an int there would make another kind of array."""
+    """The value with a float wherever the type has one: an int there would make another kind of array."""
     if isinstance(kind, types.UnionType) or typing.get_origin(kind) is typing.Union:
         options = [option for option in typing.get_args(kind) if option is not types.NoneType]
         if value is None or (isinstance(value, int) and int in options):

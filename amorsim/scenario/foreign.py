@@ -70,7 +70,7 @@ def split_options(overrides: Iterable[str]) -> tuple[list[str], list[str]]:
 
 
 def read_foreign(path: Path, name: str, cls: type[ScenarioLoader], options: Sequence[str] = ()) -> ScenarioDocument:
-    """What a file says, by the loader of that name, with settings ``loader.KEY=VALUE``.
+    """The content of a file, by the loader of that name, with settings ``loader.KEY=VALUE``.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Where in a TOML file's statements each path is said."""
+"""Where each path is in a TOML file's statements."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class Layout:
         return None
 
     def under(self, path: Path_) -> list[int]:
-        """The statements that say something at a path or below it, headers and pairs."""
+        """The statements for a path or below it, headers and pairs."""
         length = len(path)
         return [i for i, each in enumerate(self.paths) if each is not None and each[:length] == path]
 

@@ -22,7 +22,7 @@ def with_lines(
 ) -> list[Fault]:
     """The faults, each with its line, where its file is one of TOML; files that are `known` are not read again.
 
-    Of another program's file, `lines` are those that say what is at a path, or below it.
+    Of another program's file, `lines` are those of a path, or below it.
     """
     files: dict[str, _Said | None] = {name: _said(written) for name, written in (known or {}).items()}
     found = []
@@ -42,13 +42,13 @@ def with_lines(
 
 
 def line_at(file: str, path: str) -> int | None:
-    """The line of a file that says what is at a path, or what is nearest above it."""
+    """The line of a file for a path, or for what is nearest above it."""
     (fault,) = with_lines([Fault(file=file, path=path, message="")])
     return fault.line
 
 
 class _Said(NamedTuple):
-    """What a file says, and where: laid out once for all its faults."""
+    """The content of a file, and where it is: laid out once for all its faults."""
 
     written: Written
     layout: Layout

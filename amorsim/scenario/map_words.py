@@ -1,4 +1,4 @@
-"""What writing a map into a file has lost, in words, and what a scenario must say for the file to be read alike."""
+"""Messages about what a map loses in a file, and the settings with which a scenario reads that file alike."""
 
 from __future__ import annotations
 

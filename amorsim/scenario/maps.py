@@ -139,7 +139,7 @@ def companions_of(file: MapFile) -> list[Path]:
 def save_map(world: Map, path: str | Path, *, use: str | None = None, registry: Registry | None = None) -> Map:
     """Write a map into a file, and read it again: the map that is returned names the file as its `source`.
 
-    The file's extension says how it is written: ``.wld`` as lines, ``.png`` or ``.bmp`` as pixels, ``.yaml`` as a pair
+    The file's extension selects the format: ``.wld`` as lines, ``.png`` or ``.bmp`` as pixels, ``.yaml`` as a pair
     of files for ROS, and so on. Its cells, and so all ranges and collisions, are the same.
 
     Parameters
@@ -185,7 +185,7 @@ def write_map(
     force
         Whether files that are there are replaced, once the new ones are whole.
     more
-        What the file, a text, says after the map.
+        The content of the file, a text, after the map.
 
     Raises
     ------

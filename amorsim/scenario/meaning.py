@@ -36,7 +36,7 @@ class Meaning(NamedTuple):
 
 
 def read_meaning(written: Written, path: Path, registry: Registry, *, shares_alike: bool) -> Meaning:
-    """All that a file at a path says, read and checked.
+    """All values that a file has at a path, read and checked.
 
     With `shares_alike`, of robots that differ in name and pose alone one is read; they share their components then.
     """

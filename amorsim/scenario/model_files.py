@@ -152,7 +152,7 @@ def _named(table: dict[str, Any], files: Iterable[tuple[dict[str, Any], str]], t
 
 
 def _difference(own: dict[str, Any], parent: dict[str, Any], path: tuple[str, ...]) -> dict[str, Any]:
-    """What has to be said over what the parent says for it to mean the same as `own`."""
+    """What a file has to set in addition to its parent for the same as `own` to hold."""
     differs: dict[str, Any] = {}
     for key, value in own.items():
         at, old = (*path, key), parent.get(key, MISSING)
@@ -169,7 +169,7 @@ def _difference(own: dict[str, Any], parent: dict[str, Any], path: tuple[str, ..
 
 
 def _nothing(path: tuple[str, ...], value: Any) -> Any:
-    """What takes away what a parent says."""
+    """What takes away a value of the parent."""
     if path[0] in ("sensors", "estimators") and len(path) == 2:
         return False
     if path[0] in ("controller", "errors"):

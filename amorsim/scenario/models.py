@@ -1,4 +1,4 @@
-"""Models in documents: what the file of a robot or a device says, under what the scenario says of it."""
+"""Models in documents: the file of a robot or a device, under what the scenario sets for it."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ _NAMED = ("sensors", "estimators")
 
 
 def read_toml(path: Path) -> dict[str, Any] | str:
-    """The table in a TOML file, or a text that says why there is none."""
+    """The table in a TOML file, or a message why there is none."""
     written = read_file(path)
     if isinstance(written, str):
         return written
@@ -63,7 +63,7 @@ def read_toml(path: Path) -> dict[str, Any] | str:
 
 
 def read_file(path: Path) -> Written | str:
-    """What a TOML file says, and which of its lines are no TOML; or a text that says why it cannot be read."""
+    """The content of a TOML file, and which of its lines are not TOML; or a message why it cannot be read."""
     try:
         text = read_bytes(path).decode()  # with its line ends, for TOML has no lone CR
     except FileNotFoundError:
@@ -76,7 +76,7 @@ def read_file(path: Path) -> Written | str:
 
 
 def check_format(node: Node) -> None:
-    """A fault unless a file says that it is of the format that this program reads."""
+    """A fault unless a file states the format that this program reads."""
     if node.value is None:
         node.fault(f"missing; expected format = {FORMAT}, the format of the file, at its top")
     elif type(node.value) is not int or node.value != FORMAT:
@@ -84,7 +84,7 @@ def check_format(node: Node) -> None:
 
 
 def merge_models(document: dict[str, Any], book: Book, registry: Registry) -> None:
-    """Put what each robot's model says under what the document says of it; note which came from where.
+    """Put each robot's model under what the document sets for the robot; note which came from where.
 
     Tables are merged key by key; where the document names another ``use``, in shapes and in lists, it replaces
     what the model has. ``model`` becomes ``resolved_from``. A model may build on another, whose name it has under
@@ -133,7 +133,7 @@ def _merge_devices(robot: Node, registry: Registry, known: Known) -> None:
         node = robot.child("sensors").child(name)
         layers = _known_layers(node.child("model"), "device", registry, known)
         if layers is None:
-            # The sensor is not to blame for missing what the device would have said.
+            # The sensor is not to blame for missing what the device would have set.
             del sensors[name]
             robot.book.incomplete.add(robot.path)
             continue
@@ -148,7 +148,7 @@ _WORDS = {"robot": "a robot model", "device": "a device"}
 
 
 def read_layers(source: str, kind: str, registry: Registry) -> tuple[Book, dict[str, Any] | None]:
-    """What a robot model or a device says, by its name or the path of its file, on top of what it builds on.
+    """The content of a robot model or a device, by its name or the path of its file, on top of what it builds on.
 
     Nothing where it cannot be read; the book then has the faults, and otherwise knows what came from which file.
     """
@@ -171,7 +171,7 @@ def _known_layers(node: Node, kind: str, registry: Registry, known: Known) -> li
 
 
 def _read_layers(node: Node, kind: str, registry: Registry, seen: tuple[Path, ...] = ()) -> list[Layer] | None:
-    """What a file says without what a model has at its top, after all that it builds on."""
+    """The content of a file without a model's top entries, after all that it builds on."""
     name = node.text(f"the name of {_WORDS[kind]}, or the path of its .toml file")
     if name is None:
         return None

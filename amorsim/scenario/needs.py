@@ -49,7 +49,7 @@ def least_bytes(body: Robot | Obstacle, dt: float | None = None) -> int:
         try:
             size = whole(unit.sensor.size(body.drive), "size()", "a whole number >= 1", least=1)
             late = 0 if dt is None else _waiting(unit, size, dt)
-        except RAISED:  # said where the sensor is made
+        except RAISED:  # reported where the sensor is made
             continue
         values += size
         waiting += late

@@ -1,4 +1,4 @@
-"""Errors of robots that change nothing, as files say them: where they are, and tables without them."""
+"""Errors of robots that change nothing, as files have them: where they are, and tables without them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The lines of values that a file does not say yet, and where they may go."""
+"""The lines of values that a file does not have yet, and where they may go."""
 
 from __future__ import annotations
 

@@ -36,13 +36,13 @@ class Origin:
     source
         ``"file"``, ``"model"``, ``"device"`` or ``"default"``.
     value
-        The value, as files say it.
+        The value, as files have it.
     file
-        The file that says it; None for a default.
+        The file that sets it; None for a default.
     line
         The line in that file, counted from 1, where one is known.
     under
-        What would hold if the file did not say it; None where nothing would, and for what it does not say.
+        What would hold if the file did not set it; None where nothing would, and for what it does not set.
     """
 
     source: str
@@ -87,7 +87,7 @@ class Origins:
         self._merged: tuple[Any, dict[str, Any], Book] | None = None
 
     def merged(self, values: dict[str, Any], path: Path_) -> dict[str, Any]:
-        """The values with the model and the devices of the robot that a path leads to under what is said of it."""
+        """The values with the model and the devices of the robot that a path leads to under the robot's own."""
         at = KINDS[kind_of(values)]
         root = lifted(values)
         if not _may_inherit(root, (*at, *path)):
@@ -114,7 +114,7 @@ class Origins:
         return self._merged[1], self._merged[2]
 
     def find(self, values: dict[str, Any], path: Path_) -> Origin | None:
-        """Where the value at a path comes from; None where nothing says it."""
+        """Where the value at a path comes from; None where there is no value."""
         if found_at(values, path) is MISSING:
             return self._inherited(values, path)
         under = self._inherited(without(values, path), path)
@@ -134,15 +134,15 @@ class Origins:
         return None if default is None else Origin(source="default", value=default)
 
     def default(self, values: dict[str, Any], path: Path_) -> Any:
-        """The default of the field at a path, as files say it; None where there is none."""
+        """The default of the field at a path, as files have it; None where there is none."""
         root, at = lifted(values), (*KINDS[kind_of(values)], *path)
         return self._default(self._lifted_merged(root, at), at)
 
     def default_over(self, values: dict[str, Any], path: Path_) -> tuple[Path_, dict[str, Any]] | None:
-        """The component over a path of which neither the file nor a model says anything: where it is, and its table.
+        """The component over a path that neither the file nor a model sets: where it is, and its table.
 
-        That is its default's, without needless keys, and empty if the path leads to ``use``. A file that says one of
-        the component's fields must say which component it is.
+        That is its default's, without needless keys, and empty if the path leads to ``use``. A file that sets one of
+        the component's fields must name the component.
         """
         root, begin = lifted(values), KINDS[kind_of(values)]
         at = (*begin, *path)
@@ -160,7 +160,7 @@ class Origins:
         return None
 
     def is_needless(self, values: dict[str, Any], path: Path_) -> bool:
-        """Whether a file says at a path the component that a model says, or that would hold there by default."""
+        """Whether a file names at a path the component of a model, or the one that would hold there by default."""
         said = found_at(values, path)
         if not isinstance(said, dict) or "use" not in said:
             return False
@@ -191,7 +191,7 @@ def _without_defaults(table: dict[str, Any], field: Parameter) -> dict[str, Any]
 
 
 def _may_inherit(root: Mapping[str, Any], path: Path_) -> bool:
-    """Whether a model or a device may say what is at a path: none says where a robot is, and what it is called."""
+    """Whether a model or a device may set a path: none sets a robot's place and its name."""
     if len(path) < 2 or path[0] != "robots":
         return False
     robot = found_at(root, path[:2])

@@ -31,7 +31,7 @@ def with_value(robot: Robot, path: str, value: Any) -> Robot:
     Raises
     ------
     LookupError
-        If the path leads nowhere, or to what is fixed once a simulation is made; the message says which.
+        If the path leads nowhere, or to what is fixed once a simulation is made; the message states which.
     ParameterError
         If the parameter does not take the value.
     """

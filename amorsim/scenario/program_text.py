@@ -79,7 +79,7 @@ def check_program(path: Path, name: str, options: Mapping[str, Any], kind: str =
     Raises
     ------
     ControllerError
-        If the file is not there, is not Python, or says that it has no such name or does not take the options. What
+        If the file is not there, is not Python, or has no such name or does not take the options. What
         only shows when it runs is not found.
     """
     data = read_program(path)
@@ -141,7 +141,7 @@ class _Said:
 
 
 def _signature(definition: _Definition) -> inspect.Signature | None:
-    """The signature of a function, or of what makes an object of a class; None where its text does not say."""
+    """The signature of a function, or of what makes an object of a class; None where its text does not show it."""
     if definition.decorator_list:
         return None
     if not isinstance(definition, ast.ClassDef):

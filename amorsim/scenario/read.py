@@ -1,6 +1,6 @@
 """Scenarios from files: read, completed from models and defaults, checked; all faults are reported at once.
 
-What a scenario's own words say is checked here, also whether bodies start in free places. Starts that are drawn, and
+The scenario's own words are checked here, also whether bodies start in free places. Starts that are drawn, and
 true poses that differ from the nominal ones, are known to `amorsim.Simulation` only, which reports in the same form.
 """
 
@@ -81,7 +81,7 @@ def load(
 def _find(
     source: str | os.PathLike[str], overrides: Iterable[str], registry: Registry
 ) -> tuple[Path, Book, dict[str, Any]]:
-    """The file that is meant by a path or by the name of a registered scenario, and what it says, with settings.
+    """The file that is meant by a path or by the name of a registered scenario, and its content, with settings.
 
     The book has the faults of lines that are no TOML, and of the settings. Nothing else has been looked at.
 

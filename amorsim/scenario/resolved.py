@@ -1,4 +1,4 @@
-"""Scenarios as tables: all that a file needs to say for the same scenario to be read from it again."""
+"""Scenarios as tables: all that a file needs for the same scenario to be read from it again."""
 
 from __future__ import annotations
 
@@ -225,7 +225,7 @@ class _Writer:
         return again
 
     def model(self, robot: Robot, path: str = "", pose: Pose | None = None) -> dict[str, Any]:
-        """What a model may say of a robot."""
+        """What a model may set of a robot."""
         written: dict[str, Any] = {"shape": self._shape(robot.shape, path)}
         if robot.controller is not None:
             written["controller"] = self._component("controller", robot.controller, f"{path}.controller")

@@ -174,7 +174,7 @@ def _unread(node: Node, registry: Registry) -> dict[tuple[str, ...], type]:
 
 
 def _check_references(node: Node, values: Mapping[str, Any]) -> None:
-    """A fault for each name of a sensor, estimator or joint that a component of the robot says, and there is none."""
+    """A fault for each name of a sensor, estimator or joint that a component uses and the robot does not have."""
     known: dict[str, Sequence[str]] = {key: list(values[key]) for key in ("sensors", "estimators")}
     if values["drive"] is not None:
         known["joints"] = [joint.name for joint in values["drive"].joints]

@@ -1,4 +1,4 @@
-"""How a document says a value: in its own place, and no more than what differs from what holds anyway."""
+"""Writes a value into a document, and only where it differs from the inherited one."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Setter:
 
     @property
     def models_begin(self) -> int:
-        """How many parts a path has at least to what a model may say."""
+        """The least number of parts of a path to something that a model may set."""
         return 2 if kind_of(self._editor.values) == "scenario" else 0
 
     def set(self, at: Path_, value: Any) -> None:
@@ -85,7 +85,7 @@ class Setter:
             self._drop_list(at)
 
     def _whole_over(self, at: Path_, merged: dict[str, Any]) -> int:
-        """How many parts lead to the table of the model's over a path that the file can only say as a whole, or 0."""
+        """The number of parts to the model's table over a path that the file can only replace as a whole, or 0."""
         for length in range(self.models_begin + 1, len(at)):
             table = found_at(merged, at[:length])
             if found_at(self._editor.values, at[:length]) is not MISSING or not isinstance(table, dict):
@@ -114,7 +114,7 @@ class Setter:
                 return
 
     def _drop_error(self, error: Path_) -> None:
-        """Leave out an error that the file says, where the same holds without it."""
+        """Remove an error from the file where the same holds without it."""
         said = found_at(self._editor.values, error)
         if said is MISSING or not is_error(said):
             return
@@ -145,7 +145,7 @@ class Setter:
                 self._take_away((*at, key), item)
 
     def _take_away(self, at: Path_, inherited: Any) -> None:
-        """Say that what the model says at a path does not hold, as far as a file can: its default does."""
+        """State that a value of the model does not hold, as far as a file can: the default does."""
         default = self._origins.default(self._editor.values, at)
         if at[-2] in ("sensors", "estimators") and len(at) == self.models_begin + 2:
             self._editor.set(at, False)
@@ -158,7 +158,7 @@ class Setter:
             self._editor.set(at, [])
 
     def _is_inherited(self, at: Path_, value: Any) -> bool:
-        """Whether a value holds at a path if the file says nothing of it, and the file need not say it."""
+        """Whether a value holds at a path without an entry in the file, and needs none."""
         origin = self._origins.find(self._editor.values, at)
         if origin is not None and origin.source == "file":
             origin = origin.under
@@ -173,7 +173,7 @@ class Setter:
         return opened is MISSING or not (at[-1] in _COORDINATES or _are_equal(opened, value))
 
     def _drop(self, at: Path_) -> None:
-        """Leave out what is at a path, and the tables about it that say nothing then.
+        """Remove what is at a path, and the tables about it that are empty then.
 
         Those that were in the file stay, but for tables of errors.
         """

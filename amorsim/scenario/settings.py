@@ -20,7 +20,7 @@ _EXPECTED = "expected PATH=VALUE, as in simulation.dt=0.05 or robots.0.controlle
 
 @attrs.frozen(kw_only=True)
 class Setting:
-    """A value for a path in a document, and the text that says so."""
+    """A value for a path in a document, and the text that sets it."""
 
     path: tuple[str, ...]
     value: Any
@@ -33,7 +33,7 @@ class Setting:
 
     @property
     def chooses_model(self) -> bool:
-        """Whether it says of which model a robot or a sensor is, so that all others are about what that says."""
+        """Whether it names the model of a robot or a sensor, so that all others are about that model's content."""
         is_of_sensor = len(self.path) == 5 and self.path[2] == "sensors"
         return self.path[0] == "robots" and self.path[-1] == "model" and (len(self.path) == 3 or is_of_sensor)
 
@@ -53,7 +53,7 @@ def setting_texts(overrides: Iterable[str]) -> tuple[str, ...]:
 
 
 def parse_settings(overrides: Iterable[str], book: Book) -> list[Setting]:
-    """What ``PATH=VALUE`` texts say: a value is one of TOML, or else a plain text."""
+    """The settings in ``PATH=VALUE`` texts: a value is one of TOML, or else a plain text."""
     found = []
     for text in setting_texts(overrides):
         name, equals, value = text.partition("=")

@@ -1,4 +1,4 @@
-"""A scenario as frozen objects: what a file says, or what a script builds.
+"""A scenario as frozen objects: from a file, or built by a script.
 
 Names are checked here, numbers by the fields themselves; whatever needs the map (is the start free?) is checked when
 a simulation is made of it.
@@ -81,7 +81,7 @@ def _check_number(_: Any, attribute: Any, value: Any) -> None:
 class Deviation:
     """How a true value differs from its nominal one: ``nominal * scale + add``, or `value` in its place.
 
-    Each may be drawn; `per` says whether every replica draws its own, or the study one for all.
+    Each may be drawn; `per` sets whether every replica draws its own, or the study one for all.
     """
 
     scale: Number = attrs.field(default=1.0, validator=_check_number)
@@ -375,7 +375,7 @@ class Scenario:
     """A world, the robots in it, and how time runs.
 
     `source` is the file it was read from, `resolved` the tables in it with all models and defaults filled in and files
-    named (what a run's folder keeps); both are none for a scenario built in Python. `remarks` say what was left out of
+    named (what a run's folder keeps); both are none for a scenario built in Python. `remarks` list what was left out of
     another program's file.
     """
 

@@ -59,7 +59,7 @@ class GridStart:
 
 @attrs.frozen
 class Placed:
-    """Where a body stands, and the table that says so."""
+    """Where a body stands, and the table that sets it."""
 
     name: str
     shape: Shape
@@ -70,10 +70,10 @@ class Placed:
 
 
 def placed(node: Node, bodies: Sequence[Robot] | Sequence[Obstacle]) -> list[Placed]:
-    """Where the bodies of a table stand, if it says so; for a table with faults, as far as it can be read."""
+    """Where the bodies of a table stand, if it sets that; for a table with faults, as far as it can be read."""
     is_one = "count" not in node
     if not bodies and is_one and {"pose", "shape"} <= set(node.value):
-        alone = Book(node.book.source(node.path))  # what is wrong with these two has been said
+        alone = Book(node.book.source(node.path))  # the faults of these two are reported already
         shape, pose = (read(Node(node.value[key], (*node.path, key), alone)) for key, read in _READ.items())
         if isinstance(shape, Shape) and isinstance(pose, Pose):
             return [Placed(str(node.value.get("name", "it")), shape, pose, node, is_one)]
@@ -101,7 +101,7 @@ def series_names(name: str, count: int) -> list[str]:
 def read_series(node: Node, body: Body | None, world: Map | None) -> list[Body]:
     """The bodies that a table with `count` and `start` means, of the one it was read as; none after faults.
 
-    Where the table could not be read as a body, what is wrong with its `count` and `start` is said all the same.
+    Where the table could not be read as a body, the faults of its `count` and `start` are reported all the same.
     """
     if not node.is_table:
         return []
@@ -167,7 +167,7 @@ def _check_room(node: Node, body: Robot | Obstacle, start: RandomStart, count: i
 
 
 def _is_on_map(node: Node, grid: GridStart, count: int, world: Map) -> bool:
-    """Whether the first and the last of each side of a grid are on the map; a fault says which is not, and why."""
+    """Whether the first and the last of each side of a grid are on the map; a fault states which is not, and why."""
     columns = min(count, grid.columns_of(count))
     last = count - 1
     for number in dict.fromkeys((0, columns - 1, last - last % columns, last)):
@@ -227,7 +227,7 @@ def _are_alike(one: Body, other: Body) -> bool:
 
 
 def check_starts(world: Map, fixed: Sequence[Placed]) -> None:
-    """A fault for each body that starts in a wall or in another body, at the table that says so."""
+    """A fault for each body that starts in a wall or in another body, at the table that sets its start."""
     if not fixed:
         return
     poses = np.array([(item.pose.x, item.pose.y, item.pose.heading) for item in fixed])
@@ -282,7 +282,7 @@ def _what(item: Placed) -> str:
 
 
 def _fault(item: Placed, message: str) -> None:
-    """A fault where the pose is said, be it the file or a setting of the command line."""
+    """A fault where the pose is set, be it the file or a setting of the command line."""
     node = item.node
     if "start" in node:
         node.child("start").fault(message if item.is_one else f"{item.name}: {message}")

@@ -1,6 +1,6 @@
 """The text of a TOML file cut into its statements: a header, a pair of key and value, a blank line or a comment each.
 
-Joined again, they are the file to the byte. What a value means is left to `tomllib`; this module says where it stands.
+Joined again, they are the file to the byte. What a value means is left to `tomllib`; this module finds its place.
 """
 
 from __future__ import annotations

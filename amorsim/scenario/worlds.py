@@ -34,7 +34,7 @@ _FAR = 1e100  # larger numbers are taken for mistakes
 class Maps:
     """The maps of one scenario; a file that is read in the same way for several robots is read once.
 
-    With `are_read` false none is: what a document says of them is looked at alone, for which nothing is compiled.
+    With `are_read` false none is: a document's entries for them are looked at alone, for which nothing is compiled.
     """
 
     def __init__(self, registry: Registry, *, are_read: bool = True) -> None:

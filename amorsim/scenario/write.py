@@ -55,7 +55,7 @@ def write_table(table: Mapping[str, Any], path: str | Path) -> None:
 def table_text(table: Mapping[str, Any], *, with_remarks: bool = False) -> str:
     """A scenario as TOML: a table a thing, mounts, poses and noise on a line each.
 
-    With remarks it also says, in comments, that a sensor has no rate; TOML has no word for that.
+    With remarks it also states, in comments, that a sensor has no rate; TOML has no word for that.
     """
     root = tomlkit.document()
     for key, value in table.items():

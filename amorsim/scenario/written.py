@@ -61,7 +61,7 @@ class Written:
 
 
 def read_written(text: str) -> Written:
-    """What a text means; of lines that TOML does not take it is said what is wrong, and they mean nothing."""
+    """The values of a text; lines that are not valid TOML are reported and ignored."""
     try:
         return Written(text, parse(text))
     except (ValueError, RecursionError):
@@ -169,7 +169,7 @@ def line_numbers(statements: Sequence[Statement]) -> list[int]:
 def line_of(
     statements: Sequence[Statement], layout: Layout, path: Path_, numbers: Sequence[int] | None = None
 ) -> int | None:
-    """The line, counted from 1, that says a path, or what is nearest above it; None where nothing of it is said.
+    """The line, counted from 1, for a path, or for what is nearest above it; None where there is none.
 
     `numbers` are the statements' `line_numbers`, counted here if they are not given.
     """

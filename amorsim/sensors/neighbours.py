@@ -1,4 +1,4 @@
-"""What the robots nearby tell of themselves: where they are, how fast they go, and how large they are."""
+"""What robots nearby report of themselves: their poses, speeds and sizes."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Neighbours(Sensor):
     For each: range [m] from the sensor, place x (ahead) and y (to the left) [m] and velocity over ground [m/s], both
     in the frame of the mount, and the radius [m] of the circle around its base point that holds its footprint. An empty
     slot reads inf for range and place, and 0 for the rest. ``measured.reshape(-1, 6)`` is a table with a line for each
-    slot. Walls do not matter, and obstacles tell nothing.
+    slot. Walls do not matter, and obstacles report nothing.
 
     Parameters
     ----------

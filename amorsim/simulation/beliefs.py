@@ -71,7 +71,7 @@ class StepBeliefs(BeliefsByName):
 
 
 class BeliefsNow(Mapping[str, Beliefs]):
-    """The beliefs as they are whenever they are looked up, by name; of some rows, where `rows` says which."""
+    """The beliefs as they are whenever they are looked up, by name; of some rows, if `rows` are given."""
 
     def __init__(self, believers: Mapping[str, Believer], rows: npt.NDArray[np.intp] | None = None) -> None:
         self._believers = believers

@@ -67,11 +67,11 @@ class Whose:
         self.blame(what, component, error)
 
     def wrong(self, what: str, component: Any, problem: str) -> ComponentError:
-        """The error for an invalid return value; `problem` says what it is, and what to return."""
+        """The error for an invalid return value; `problem` is what is wrong, and what to return."""
         return ComponentError(f"{_named(what, component)} of {self._all()} at {self._time()}: {problem}")
 
     def not_finite(self, what: str, component: Any, numbers: str, values: npt.NDArray[np.float64]) -> ComponentError:
-        """The error for numbers `(N, ...)` with nan or inf in some row; `numbers` says what they are."""
+        """The error for numbers `(N, ...)` with nan or inf in some row; `numbers` is what they are, in words."""
         rows = np.isfinite(values.reshape(len(values), -1)).all(axis=1)
         row = int(np.flatnonzero(~rows)[0])
         return ComponentError(

@@ -187,7 +187,7 @@ class Driver:
         self._whose.blame("controller", self.controller, error)
 
     def reports(self) -> list[tuple[int, str, Any]]:
-        """What the controller says happened in the last command: row, word and value, of the rows that it drives.
+        """The controller's reports of the last command: row, word and value, of the rows that it drives.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""A drive's answers for joints at rest, looked at before a group steps: others take them as said."""
+"""Checks of a drive's answers for joints at rest, before a group steps: other code takes them as they are."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _MOST = 2  # rows that are asked: as many as show an answer that is for one robo
 def check_drive(drive: Drive, rows: int, whose: Whose) -> None:
     """Raise a `ComponentError` if a drive of `rows` robots answers with other than numbers of the contract's shapes.
 
-    What raises is passed over here: it is said when it is asked for, if it ever is.
+    A method that raises is passed over here: its error is reported when it is called, if it ever is.
     """
     count = min(rows, _MOST)
     some: Any = take(drive, np.arange(count))

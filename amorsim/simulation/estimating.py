@@ -174,7 +174,7 @@ class Estimators:
 
     @property
     def can_fail(self) -> bool:
-        """Whether one of them may say that it failed."""
+        """Whether one of them may report that it failed."""
         return any(type(estimator).failed is not Estimator.failed for estimator in self._estimators.values())
 
     def failures(self) -> Iterator[tuple[str, int, bool]]:

@@ -16,7 +16,7 @@ class Event:
     parts of robots met: `amorsim.Part`, empty for the bodies themselves), ``"controller_ended"``,
     ``"report"`` (of its controller: `path` is the word, as ``"goal_reached"``, `value` a number or text),
     ``"pose_set"`` (by `Simulation.set_pose`, to the pose `value`), ``"kidnapped"`` (by its scenario, likewise),
-    ``"estimator_failed"`` (`path` says which), ``"handed_over"`` (to `value`), or ``"parameter_set"`` (with `path` and
+    ``"estimator_failed"`` (`path` is which), ``"handed_over"`` (to `value`), or ``"parameter_set"`` (with `path` and
     `value`).
     `tick` counts the complete steps before it; `time` [s] may lie between two ticks.
     """

@@ -39,8 +39,8 @@ class Zones:
         for zone, chain in zip(self._zones, self._chains, strict=True):
             chain.set_parameters([zone.ground] * rows)
         self._discs = [_disc(zone) for zone in self._zones]
-        # Of each zone, the wheels `(N, r)` that were inside in the last step: what tells one that rests on the border
-        # after it entered from one that is about to enter.
+        # Of each zone, the wheels `(N, r)` that were inside in the last step: a wheel that rests on the border after it
+        # entered differs by this from one that is about to enter.
         self._memories: list[State] = [{} for _ in self._zones]
 
     def __bool__(self) -> bool:
@@ -144,7 +144,7 @@ class Zones:
 def _around(shape: Shape, points: Array) -> tuple[Bools, Bools]:
     """Whether points `(M, 2)` [m] of a shape's frame are inside, and not on its border; and whether they are on either.
 
-    The points around one tell whether it is on the border, so corners and cuts between parts need no rule of their own.
+    The points around one show whether it is on the border, so corners and cuts between parts need no rule of their own.
     """
     around = [contains(shape, points + np.array(offset)) for offset in itertools.product((-_BORDER, _BORDER), repeat=2)]
     return np.all(around, axis=0), np.any(around, axis=0)

@@ -55,7 +55,7 @@ def metrics_of_shared(
 ) -> dict[str, dict[str, str]]:
     """The ``[metrics]`` of studies of several scenarios: one for each estimator that all of them have.
 
-    Metrics that judge no estimator, and all of them where no estimator is shared, are as their defaults say.
+    Metrics that judge no estimator, and all of them where no estimator is shared, have their defaults.
 
     Parameters
     ----------

@@ -58,7 +58,7 @@ class Chunk:
 
 @attrs.frozen(kw_only=True)
 class Plan:
-    """A study as its file says it.
+    """A study as in its file.
 
     Attributes
     ----------

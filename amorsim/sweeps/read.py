@@ -1,4 +1,4 @@
-"""A study's file, read and checked; every fault says where it is."""
+"""A study's file, read and checked; every fault has its place."""
 
 from __future__ import annotations
 
@@ -364,7 +364,7 @@ def _check_columns(top: Node, axes: list[Axis], metrics: list[Measured]) -> None
 
 
 def _check_paths(top: Node, axes: list[Axis]) -> None:
-    """Two axes, or an axis and a key, that set the same would leave rows that say what was not simulated."""
+    """Two axes, or an axis and a key, that set the same would leave rows about what was not simulated."""
     set_by = {"simulation.seed": "seeds", "simulation.duration": "duration"}
     set_by = {path: key for path, key in set_by.items() if key in top}
     for axis in axes:

@@ -29,7 +29,7 @@ _LOOK = 2.0  # [s] after which a cluster is looked at again
 
 @attrs.frozen(kw_only=True)
 class Work:
-    """A chunk to compute: its number, a file that says that it was begun, and the folder of its run, if kept."""
+    """A chunk to compute: its number, a file that marks that it was begun, and the folder of its run, if kept."""
 
     index: int
     begun: str = ""
@@ -98,7 +98,7 @@ def _parallel(plan: Plan, todo: Iterator[Work], jobs: int) -> Iterator[Outcome]:
         temp_folder=tempfile.gettempdir(),
     )
     with warnings.catch_warnings():
-        # Of workers that stopped: the outcomes of their chunks say so.
+        # Of workers that stopped: the outcomes of their chunks show it.
         warnings.filterwarnings("ignore", module="joblib")
         try:
             with without_interrupts():

@@ -74,7 +74,7 @@ def sweep(
     ------
     StudyError
         If the study is not right, the folder is another's, a file cannot be written, or a cluster goes away. What was
-        done stays. A point that fails is no error: its rows say why.
+        done stays. A point that fails is not an error: its rows have the reason.
     """
     plan = read_plan(study)
     try:
@@ -186,7 +186,7 @@ def _tried(plan: Plan, axis: Axis, scenario: Scenario) -> Simulation:
         except AmorsimError as error:
             problem = problem or error
             continue
-        # A default may be said of anything, also of what there is not: it is left out.
+        # A default may be set for anything, also for what there is not: it is left out.
         if simulation.scenario.resolved != scenario.resolved:
             return simulation
         neutral = simulation

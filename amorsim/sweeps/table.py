@@ -35,7 +35,7 @@ class Study(dict[str, npt.NDArray[Any]]):
     """The table of a study, as a dict of arrays `(rows,)`, a row for each point, seed and replica.
 
     Its columns are ``point``, the axes, ``seed``, ``replica``, the metrics, ``digest`` and ``error``. Where a point
-    failed, metrics are nan, and `error` says why.
+    failed, metrics are nan, and `error` is the reason.
 
     Attributes
     ----------

@@ -102,13 +102,13 @@ def check_component(
     side
         What a noise element looks for in `side`, by name, with a value for it.
     inf
-        What a noise element does with inf, which says that nothing returned: ``"kept"``; ``"changed"`` for one that
+        What a noise element does with inf, which means that nothing returned: ``"kept"``; ``"changed"`` for one that
         makes up returns; ``"absent"`` for one whose values are never inf, such as the travel of a wheel.
     path
         A file that a map loader or a scenario loader is to read.
     scene
         Where a sensor, estimator, controller or motion is tried, in place of a hall with a post, a box, marks and
-        lamps: the map, obstacles, landmarks and lights of a scenario. Its robots say where those that are tried
+        lamps: the map, obstacles, landmarks and lights of a scenario. Its robots set where those that are tried
         start, and drive about by some centimetres a step.
 
     Warns
@@ -120,7 +120,7 @@ def check_component(
     Raises
     ------
     ComponentError
-        If the component fails a check; it names component and check, and says what was expected and what was found.
+        If the component fails a check; it names the component, the check, what was expected and what was found.
     """
     cls = component if isinstance(component, type) else type(component)
     who = _who(cls)

@@ -113,7 +113,7 @@ class DriveTrial(Trial[Drive]):
         return outputs
 
     def _facts(self, component: Drive, before: Array, after: Array) -> Outputs:
-        """What it says of its wheels and limits besides, which zones, estimators and controllers ask for."""
+        """Its wheels and limits, which zones, estimators and controllers ask for."""
         rows, require, call = len(after), self.who.require, self.who.calling
         with call("contacts"):
             found: Any = component.contacts(after)

@@ -100,7 +100,7 @@ class Rig:
         a gyro, called ``encoder``, ``laser``, ``sonar``, ``compass`` and ``gyro``.
     scene
         A scenario in place of the hall with a post, a box, marks and lamps: its map, obstacles, landmarks and lights.
-        Its robots say where the 64 start, in turn, a few centimetres and degrees apart, and the first their shape.
+        Its robots set where the 64 start, in turn, a few centimetres and degrees apart, and the first their shape.
     """
 
     def __init__(

@@ -17,7 +17,7 @@ _SEEDS = 4
 def check_world_generator(who: Who, generator: WorldGenerator) -> None:
     """Generate some worlds, each twice: they are maps with a free start, and the same for the same seed.
 
-    A warning says if all seeds give one world, as it has then not been tried what the generator draws.
+    There is a warning if all seeds give one world, as it has then not been tried what the generator draws.
     """
     worlds = []
     for seed in range(_SEEDS):

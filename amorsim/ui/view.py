@@ -97,7 +97,7 @@ def view(
 
 
 def _show(order: dict[str, Any]) -> str:
-    """Let a process serve the window, and say here what it says, until Ctrl-C; returns what was wrong, or nothing.
+    """Let a process serve the window, and print its output here, until Ctrl-C; returns the fault, or nothing.
 
     A process of its own: the server's loop and signals are not for a script, and still less for a notebook.
     """

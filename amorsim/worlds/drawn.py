@@ -20,7 +20,7 @@ __all__ = ["DrawnParameter", "DrawnWorld", "can_be_drawn", "map_of", "middle_of"
 
 @attrs.frozen(kw_only=True)
 class DrawnParameter:
-    """A parameter of a generator that is drawn; `per` says whether every replica draws its own, or the study one."""
+    """A parameter of a generator that is drawn; `per` sets whether every replica draws its own, or the study one."""
 
     name: str
     distribution: Distribution

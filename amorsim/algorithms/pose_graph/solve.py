@@ -43,7 +43,7 @@ def chi2_of(graph: PoseGraph, poses: Array | None = None) -> float:
 
 
 def _errors(graph: PoseGraph, poses: Array) -> Array:
-    """What the poses say of each edge less what was measured `(m, 3)`, in the frame of the measured pose."""
+    """The poses' value of each edge less its measured one `(m, 3)`, in the frame of the measured pose."""
     first, second = poses[graph.edges[:, 0]], poses[graph.edges[:, 1]]
     apart = _turned(second[:, :2] - first[:, :2], -first[:, 2]) - graph.measurements[:, :2]
     turn = wrap_angle(second[:, 2] - first[:, 2] - graph.measurements[:, 2])

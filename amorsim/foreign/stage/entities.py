@@ -1,4 +1,4 @@
-"""What a Stage world says: its models, with macros filled in."""
+"""The content of a Stage world: its models, with macros filled in."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ TYPES = (
 
 
 class Value(NamedTuple):
-    """What a key says: one word or text, or those in brackets."""
+    """The value of a key: one word or text, or those in brackets."""
 
     items: tuple[str, ...]
     place: Place
@@ -64,7 +64,7 @@ class Model:
 
 @attrs.frozen(eq=False)
 class World:
-    """A world: what it says at its top, its models in order, and the files that it was read from."""
+    """A world: its entries at the top, its models in order, and the files that it was read from."""
 
     values: Mapping[str, Value]
     models: tuple[Model, ...]
@@ -177,7 +177,7 @@ class _Parser:
         return Value(tuple(items), key.place)
 
     def _fill(self, entity: _Entity, depth: int) -> Model:
-        """A model with its macros filled in: what a macro says comes first, and what it holds too."""
+        """A model with its macros filled in: the entries of a macro come first, and its children too."""
         known = self._filled.get(id(entity))
         if known is not None:
             return known[1]

@@ -19,7 +19,7 @@ __all__ = [
     *("size_of", "spot_of", "vertices"),
 ]
 
-# What Stage gives a model that says none.
+# What Stage gives a model without one.
 _SIZE = (0.4, 0.4, 1.0)
 _MOST_POINTS = 10_000
 _THIN = 1e-4  # [m] narrower bodies are left out
@@ -80,7 +80,7 @@ def _direction(degrees: float) -> tuple[float, float]:
 
 
 def spot_of(model: Model, key: str, notes: Notes) -> Spot:
-    """The spot that a key says as ``[x y z heading]``, or as Stage 2 did, ``[x y heading]``."""
+    """The spot at a key, as ``[x y z heading]``, or as in Stage 2, ``[x y heading]``."""
     numbers = notes.numbers(model.values, key, 2)
     if len(numbers) == 3 and numbers[2]:
         notes.remark(

@@ -89,7 +89,7 @@ class _Writer:
             other_controllers=loader.other_controllers,
         )
         self._names = Names()
-        self._same: dict[Any, bytes] = {}  # what is alike in robots, by what their models say
+        self._same: dict[Any, bytes] = {}  # what is alike in robots, by the content of their models
         self.lines: dict[str, int] = {}
 
     def tables(self) -> Table:
@@ -145,7 +145,7 @@ class _Writer:
             yield {"name": name, "pose": spot.table(), **self._robot(model, interval)}
 
     def _robot(self, model: Model, interval: float) -> Table:
-        """All of a robot but its name and its pose; read once for all that say the same, each with a copy."""
+        """All of a robot but its name and its pose; read once for all with the same content, each with a copy."""
         said = model.said_but("name", "pose")
         if said not in self._same:
             self._same[said] = pickle.dumps(read_robot(model, interval, self._notes, self._options))

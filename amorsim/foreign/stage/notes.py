@@ -65,12 +65,12 @@ class Notes:
         return (*texts[:_MOST_REMARKS], f"... and {len(texts) - _MOST_REMARKS} remarks more")
 
     def text(self, values: Mapping[str, Value], key: str, default: str = "") -> str:
-        """What a key says, as a text."""
+        """The value of a key, as a text."""
         value = values.get(key)
         return default if value is None or not value.items else value.items[0]
 
     def number(self, values: Mapping[str, Value], key: str, default: float) -> float:
-        """The number that a key says."""
+        """The number at a key."""
         value = values.get(key)
         if value is None:
             return default
@@ -83,7 +83,7 @@ class Notes:
         return found[0]
 
     def count(self, values: Mapping[str, Value], key: str, default: int, most: int) -> int:
-        """The whole number from 0 to `most` that a key says."""
+        """The whole number from 0 to `most` at a key."""
         found = self.number(values, key, default)
         if not (found == int(found) and 0 <= found <= most):
             self.fault(values[key].place, f"{key}: expected a whole number from 0 to {most}, got {found:g}")
@@ -91,7 +91,7 @@ class Notes:
         return int(found)
 
     def numbers(self, values: Mapping[str, Value], key: str, least: int) -> list[float]:
-        """The numbers that a key says, `least` of them or more; none if it is not there, or after a fault."""
+        """The numbers at a key, `least` of them or more; none if it is not there, or after a fault."""
         value = values.get(key)
         if value is None:
             return []
@@ -114,7 +114,7 @@ class Notes:
         return found
 
     def check_keys(self, model: Model, known: frozenset[str]) -> None:
-        """A remark for each key that nobody reads here, unless it only says how things look in Stage's window."""
+        """A remark for each key that is not read here, unless it is only about how things look in Stage's window."""
         self._check_keys(model.values, known, model.kind)
 
     def check_keys_of_world(self, values: Mapping[str, Value], known: frozenset[str]) -> None:

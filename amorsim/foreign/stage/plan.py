@@ -120,7 +120,7 @@ def plan_of(world: World, notes: Notes, *, crop_bitmaps: bool, resolution: float
     crop_bitmaps
         Whether the dark part of a bitmap alone fills the model's size, as in Stage, and not the whole bitmap.
     resolution
-        Side of a cell [m], in place of the one that the world says.
+        Side of a cell [m], in place of the world's own.
     """
     planner = _Planner(world, notes, crop_bitmaps)
     planner.walk(world.models, Spot())

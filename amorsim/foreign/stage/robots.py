@@ -1,4 +1,4 @@
-"""Stage's robots, as a scenario says them."""
+"""Stage's robots, as a scenario has them."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def _carried(model: Model, at: Spot, notes: Notes) -> list[Any]:
 
 
 def _bounds(model: Model, key: str, notes: Notes) -> tuple[float, float, float]:
-    """The largest of both directions, ahead, aside [m] and turning [deg]; Stage's defaults where a world says none."""
+    """The largest of both directions, ahead, aside [m] and turning [deg]; Stage's defaults where a world has none."""
     numbers = notes.numbers(model.values, key, 2)
     pairs = [numbers[at : at + 2] for at in (0, 2, 6)]
     ahead, aside, turn = (

@@ -1,4 +1,4 @@
-"""The sensors of Stage's robots, as a scenario says them."""
+"""The sensors of Stage's robots, as a scenario has them."""
 
 from __future__ import annotations
 
@@ -131,7 +131,7 @@ def _beam(model: Model, spot: Spot, rate: float | None, notes: Notes, view: str 
     values = model.values
     nearest, farthest = (notes.numbers(values, "range", 2) or [0.0, 5.0])[:2]
     fov = notes.number(values, "fov", 5.7)
-    if seen := notes.numbers(values, view, 3):  # how Stage 3 said it, in one key
+    if seen := notes.numbers(values, view, 3):  # as in Stage 3, in one key
         nearest, farthest, fov = seen[:3]
     if not 0.0 <= nearest < farthest:
         place = values[view if seen else "range"].place

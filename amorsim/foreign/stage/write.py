@@ -68,7 +68,7 @@ def stage_models(tables: Table) -> tuple[str, list[str]]:
 
 
 def _each(bodies: Iterable[Table]) -> Iterator[Table]:
-    """Bodies one by one, also those that one table says with the pose of each."""
+    """Bodies one by one, also those that are in one table with the pose of each."""
     for body in bodies:
         if "count" not in body:
             yield body

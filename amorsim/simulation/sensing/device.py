@@ -331,7 +331,7 @@ class Device:
     def arrays(self) -> dict[str, npt.NDArray[Any]]:
         """The device's own arrays that change, by name, without the states of components.
 
-        Of a prompt one, what tells the time is the clock's, and here in copies.
+        Of a prompt one, stamp, age and the like are the clock's arrays, and here copies.
         """
         found = {name: getattr(self, name) for name in _HELD}
         if self.is_prompt:

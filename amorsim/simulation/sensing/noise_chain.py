@@ -205,7 +205,7 @@ class Chain:
             self._blame(i, error)
 
     def _require(self, i: int, problem: str) -> None:
-        """Raise if an element answered with something else than its contract says."""
+        """Raise if an element's answer breaks its contract."""
         if problem:
             raise self._whose.wrong(self._what(i), self.elements[i], problem)
 

@@ -52,7 +52,7 @@ class Terrain:
         MapError
             If a generator cannot make the world of a replica; the message names the replica.
         AmorsimError
-            If the maps take more memory than `map_limit`: at once, if one of them says so, and before any step is made.
+            If the maps take more memory than `map_limit`: at once, if one of them alone does, and before any step.
         """
         origin = origin_of(map_)
         if origin is None:

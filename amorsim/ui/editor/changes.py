@@ -31,8 +31,8 @@ Change = Mapping[str, Any]
 def apply(work: Work, changes: Sequence[Change]) -> list[str]:
     """Make all changes, in their order; returns the paths of what was added.
 
-    - ``{op: "set", path, value}``: say a value; null is ``"none"``.
-    - ``{op: "remove", path}``: say it no more; a sensor or estimator of the model is left out.
+    - ``{op: "set", path, value}``: set a value; null is ``"none"``.
+    - ``{op: "remove", path}``: remove the entry; a sensor or estimator of the model is left out.
     - ``{op: "add", path, value}``: an item more in a list; with ``folder``, its names of files start there.
     - ``{op: "move", path, index}``: an item of a list to another place in it.
     - ``{op: "pose", path, value}``: where a thing stands, x, y [m] and heading [deg]; null is what stays.
@@ -40,7 +40,7 @@ def apply(work: Work, changes: Sequence[Change]) -> list[str]:
     - ``{op: "mount", path, value}``: where a sensor sits on its robot, x, y [m] and heading [deg]; null is what stays.
     - ``{op: "shape", path, value}``: another kind of shape.
     - ``{op: "know_map" | "know_landmarks", path, value}``: what a robot knows (see `amorsim.ui.editor.knowing`).
-    - ``{op: "toml", path, text}``: all that the file says in a table, as TOML.
+    - ``{op: "toml", path, text}``: a table's whole content in the file, as TOML.
     - ``{op: "text", text}``: the whole text of the scenario.
     - ``{op: "paint", spans, occupied}``: cells of a bitmap, as ``[row, first column, one after the last]``.
     - ``{op: "fill", row, column, occupied}``: the area of a bitmap about a cell.
@@ -76,7 +76,7 @@ def _set(work: Work, change: Change) -> None:
     path, value = _path(change), change.get("value")
     value = NONE if value is None else value
     *before, last = path.split(".")
-    if last.isdigit() and before:  # in a list that nothing says but a default: all of the list
+    if last.isdigit() and before:  # in a list that is only a default: all of the list
         items = _said(work, ".".join(before))
         if items is MISSING:
             raise AmorsimError(f"{'.'.join(before)}: say the whole list first")
@@ -287,12 +287,12 @@ def _number(value: Any) -> int:
 
 
 def own_table(work: Work, path: Any) -> dict[str, Any]:
-    """What the file itself says of a thing.
+    """The file's own table of a thing.
 
     Raises
     ------
     AmorsimError
-        If it says nothing.
+        If it has none.
     """
     table = _own(work, path) if isinstance(path, str) else MISSING
     if not isinstance(table, dict):
@@ -301,12 +301,12 @@ def own_table(work: Work, path: Any) -> dict[str, Any]:
 
 
 def _own(work: Work, path: str) -> Any:
-    """What the file itself says at a path of numbers and keys."""
+    """The file's own value at a path of numbers and keys."""
     return found_at(work.document.values, tuple(int(part) if part.isdigit() else part for part in path.split(".")))
 
 
 def _said(work: Work, path: str) -> Any:
-    """What the file, or the model, says."""
+    """The value of the file, or of the model."""
     try:
         return work.document.get(path)
     except DocumentError:

@@ -40,7 +40,7 @@ def _numbers(cls: type | None) -> Iterator[tuple[str, Parameter]]:
 
 
 def deviations(table: Any, path: Path = ()) -> Iterator[tuple[Path, Any]]:
-    """The errors in a table of them: the path and what is said of each."""
+    """The errors in a table of them: the path and the table of each."""
     for key, value in table.items() if isinstance(table, dict) else ():
         is_leaf = not isinstance(value, dict) or (bool(value) and set(value) <= {*_PARTS, *_DRAWN})
         if is_leaf:

@@ -31,7 +31,7 @@ class FilesError(AmorsimError):
 class FileText:
     """The text of a file, and what is in the file: None where there is none yet.
 
-    `empty` is what a file says before its first change.
+    `empty` is the file's text before its first change.
     """
 
     text: str
@@ -122,7 +122,7 @@ class Files:
         return {str(path): held.text for path, held in self._held.items()}
 
     def restore(self, texts: Mapping[str, str]) -> None:
-        """Let the files say what they said, and hold no others."""
+        """Restore the texts of the files, and forget all others."""
         self._held = {path: held for path, held in self._held.items() if str(path) in texts}
         for path, held in self._held.items():
             held.text = texts[str(path)]

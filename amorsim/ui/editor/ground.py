@@ -1,4 +1,4 @@
-"""The floor, in its inspector: lines, areas and drops, each with a form; and what the scenario says of itself."""
+"""The floor, in its inspector: lines, areas and drops, each with a form; and the scenario's own description."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _NEW: dict[str, tuple[str, dict[str, Any]]] = {
 
 
 def described(of: ThingFields) -> Section:
-    """What the scenario says that it is about."""
+    """What the scenario is about, in its own words."""
     said = of.document.values.get("description")
     section = of.section("Scenario", (), [])
     section["path"] = "description"

@@ -68,7 +68,7 @@ def _places(values: Mapping[str, Any], at: tuple[str | int, ...], registry: Regi
 def _fields(
     values: Mapping[str, Any], at: tuple[str | int, ...], table: Any, registry: Registry, folder: Path
 ) -> Iterator[Place]:
-    """Points in a component's fields, which say that they lie in the world."""
+    """Points in a component's fields that lie in the world."""
     if not isinstance(table, dict):
         return
     try:

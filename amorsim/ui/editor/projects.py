@@ -164,7 +164,7 @@ class Projects:
         return base64.b64encode(data.getvalue()).decode()
 
     async def _write_world(self, name: Any, is_trial: bool, *, use: bool) -> Answer:
-        """Write the world in the format that a name's ending says; `use` lets the scenario name that file."""
+        """Write the world in the format of a name's ending; `use` lets the scenario name that file."""
         work = self._session.work
         target = place_for(work.folder, name)
         await asyncio.to_thread(self._bench.ask, "look", **self._session.asked())

@@ -42,7 +42,7 @@ class Reader:
         self._asking = threading.Lock()
         self._changing = threading.Lock()
         self._process: subprocess.Popen[bytes] | None = None
-        self._is_there = False  # whether it has said so
+        self._is_there = False  # whether it has reported so
         self._is_late = False
         self._is_closed = False
 

@@ -209,7 +209,7 @@ class EditSession:
                 self.tell()
 
     def tell(self, *, is_drawn: bool = False) -> None:
-        """Wake the windows that wait for a new state; `is_drawn` says that the drawing is new, too."""
+        """Wake the windows that wait for a new state; `is_drawn` is true if the drawing is new, too."""
         self._number += 1
         if is_drawn:
             self._drawn = self._number
@@ -296,7 +296,7 @@ class EditSession:
         ``document`` is answered by `state` once its number is above ``after``; ``inspect`` by the ``sections`` of a
         thing, ``text`` by the scenario's text, ``image`` by a picture of a map, ``menu`` by what can be added.
         ``edit`` makes a step of ``changes`` (see `amorsim.ui.editor.changes`); ``undo``, ``redo``, ``save``,
-        ``save_as``, ``reload`` and ``run`` do what they say; after ``heard``, the remark is no longer shown.
+        ``save_as``, ``reload`` and ``run`` do as they are called; after ``heard``, the remark is no longer shown.
         """
         try:
             return await self._answer(command)

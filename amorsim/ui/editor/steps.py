@@ -24,7 +24,7 @@ class Steps:
     history
         The steps.
     remark
-        What to tell the user about the journal; empty for nothing.
+        The message for the user about the journal; empty for none.
     """
 
     def __init__(self, state: Path | None) -> None:

@@ -30,7 +30,7 @@ class ThingFields:
     registry, folder, document
         The components there are, the scenario's folder, and the document.
     table
-        What the file and the model say of it.
+        Its values in the file and the model.
 
     Raises
     ------
@@ -112,7 +112,7 @@ class ThingFields:
             self.mark(inner, (*at, inner["path"].rpartition(".")[2]))
 
     def from_model(self) -> str:
-        """Where what the file does not say comes from, in words."""
+        """Where the values that the file does not set come from, in words."""
         model = self.own(()).get("model")
         return f"from the model {model}" if isinstance(model, str) else "from a model"
 
@@ -132,7 +132,7 @@ class ThingFields:
         return [self.text("name", "name", "letters, digits, '_' and '-'; unique in the scenario", "text")]
 
     def text(self, at: Any, label: str, help_: str, kind: str) -> FieldForm:
-        """A text, or the path of a file, as the `kind` of widget says."""
+        """A text, or the path of a file, depending on the `kind` of widget."""
         place = (at,) if isinstance(at, str) else at
         value = found_at(self.table, place)
         field: FieldForm = {

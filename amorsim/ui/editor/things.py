@@ -32,8 +32,8 @@ class MountAt(TypedDict):
 class Thing(TypedDict):
     """A thing of a scenario: a table of its file.
 
-    `footprint` and `pose` (x, y [m], heading [rad]) are where it can be read that it stands in one place; `moves` says
-    whether the file can say that place. `robots` and `obstacles` are its places in the scene; `places` are points of it
+    `footprint` and `pose` (x, y [m], heading [rad]) are there if it stands in one place that can be read; `moves` is
+    whether the file can hold it. `robots` and `obstacles` are its places in the scene; `places` are points of it
     that lie elsewhere in the world.
     """
 

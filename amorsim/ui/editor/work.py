@@ -53,7 +53,7 @@ class Work:
     world
         The map of its world.
     steps
-        The steps that can be undone, and what is to tell of their journal.
+        The steps that can be undone, and the message about their journal.
     state
         As given.
 

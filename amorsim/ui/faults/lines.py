@@ -37,7 +37,7 @@ class FaultsError(AmorsimError):
 
 
 def lines_of(error: AmorsimError) -> list[FaultLine]:
-    """The faults that an error tells of a scenario's files, or none if it is about something else.
+    """The faults that an error lists of a scenario's files, or none if it is about something else.
 
     An error of the base class is of an option; `RunError` is of the folder that a run is written into.
     """

@@ -59,7 +59,7 @@ class Mending:
     Parameters
     ----------
     name, changes
-        The file, as the user names it, and what is changed of what it says: settings as of ``--set``.
+        The file, as the user names it, and the changes of its content: settings as of ``--set``.
     faults
         Why it cannot be.
     open_page
@@ -128,7 +128,7 @@ class Mending:
             stamps = await change_of(looked.stamps)
 
     def _look(self, stamps: Stamps) -> _Looked:
-        """Read the file, and as far as it can be, what it says."""
+        """Read the file, and its content as far as possible."""
         seen = {self._file: stamps[self._file]}
         builder = None
         try:

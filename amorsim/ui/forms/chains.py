@@ -116,7 +116,7 @@ def _column(columns: list[str], is_required: bool) -> FieldForm:
 def with_element(robot: Robot, path: str, table: dict[str, Any], index: int | None = None) -> list[dict[str, Any]]:
     """The tables of a chain with one more, at its end or before the element of that index.
 
-    What is null in its table is ``"none"``, as files say it; a column that is null is not said.
+    What is null in its table is ``"none"``, as in files; a column that is null is left out.
     """
     tables = tables_of(robot, path)
     element = {key: _in_file(part) for key, part in table.items() if part is not None or key != "column"}

@@ -57,7 +57,7 @@ class Widget(TypedDict):
       value is a table with ``use``, or none where it `is_optional`;
     - ``either``: what one of the `options` shows.
 
-    An `is_optional` value may be none. A list with a `length` has that number of items; others may grow. `frame` says
+    An `is_optional` value may be none. A list with a `length` has that number of items; others may grow. `frame` is
     where points are, ``"world"`` or ``"body"``, for windows that show them on a map.
     """
 
@@ -80,7 +80,7 @@ class Widget(TypedDict):
 
 
 class FieldForm(TypedDict):
-    """A field of a form. `fixed` says why its value cannot change now, and is empty where it can."""
+    """A field of a form. `fixed` is the reason why its value cannot change now, and empty where it can."""
 
     path: str
     label: str
@@ -88,7 +88,7 @@ class FieldForm(TypedDict):
     widget: Widget
     value: Any  # none where there is none, and none was given
     default: Any
-    is_given: bool  # whether the value was said, and is not only the default
+    is_given: bool  # whether the value is given, and not only the default
     is_required: bool
     fixed: str
 
@@ -117,7 +117,7 @@ def form_of(
     Parameters
     ----------
     values
-        A component, or a table of what was said of it; nothing for the defaults alone.
+        A component, or a table of its values; nothing for the defaults alone.
     spelling
         ``"python"``: names and values as in Python, angles in radians. ``"file"``: as in scenario files, angles in
         degrees under names that end in ``_deg``.
@@ -153,7 +153,7 @@ def deviation_form(
 
 
 def choices_of(kind: str, registry: Registry, *, said: Mapping[str, Any] | None = None, **options: Any) -> list[Choice]:
-    """The components of a kind that are registered, each with an empty form, but for the one that a table says.
+    """The components of a kind that are registered, each with an empty form, but for the one that a table names.
 
     Parameters
     ----------
@@ -166,7 +166,7 @@ def choices_of(kind: str, registry: Registry, *, said: Mapping[str, Any] | None 
     for name in registry.names(kind):
         try:
             cls = registry.get(kind, name)
-        except PluginError:  # it cannot be imported, as the registry's problems say
+        except PluginError:  # it cannot be imported; see the registry's problems
             continue
         help_ = (cls.__doc__ or "").strip().splitlines()
         values = said if said is not None and said.get("use") == name else None
@@ -229,7 +229,7 @@ class _Maker:
         self._registry = registry
 
     def fields(self, cls: type, values: Any, path: str, *, is_said: bool = True, fixed: str = "") -> list[FieldForm]:
-        """The fields of a class; `fixed` says why none of them can change, where what they are part of cannot."""
+        """The fields of a class; `fixed` is the reason why none of them can change, if what they are part of cannot."""
         said = self._said(values)
         found = []
         for key, parameter in self._parameters(cls).items():
@@ -352,7 +352,7 @@ def _fitting(parameter: Parameter, registry: Registry) -> dict[str, type]:
     for name in registry.names(parameter.component):
         try:
             cls = registry.get(parameter.component, name)
-        except PluginError:  # it cannot be imported, as the registry's problems say
+        except PluginError:  # it cannot be imported; see the registry's problems
             continue
         if issubclass(cls, parameter.contract):
             found[name] = cls

@@ -31,7 +31,7 @@ _AT_START = "It is used when an episode starts, and set when the simulation is m
 
 
 def forms_of(simulation: Simulation, name: str, origins: Origins | None = None) -> list[ParameterForm]:
-    """All parameters of a robot's parts, by part; `origins` says where the scenario's values come from."""
+    """All parameters of a robot's parts, by part; `origins` maps them to where the scenario's values come from."""
     handle = simulation.robot(name)
     specified = next(robot for robot in simulation.scenario.robots if robot.name == name)
     robots = _Robots(handle.nominal, handle.true, specified)
@@ -74,7 +74,7 @@ class _Place:
     """A thing with parameters: its path in the robot, and of which kind its parameters are.
 
     `label` is how forms call it, `unit` that of what it works on, `names` those of its fields that count. `group` is
-    that of its fields, where its path does not say it; `fixed` why none of them can change.
+    that of its fields, where its path does not show it; `fixed` the reason why none of them can change.
     """
 
     path: str
@@ -188,7 +188,7 @@ class _Forms:
         if deviation.value is not None:
             parts = ["value"]
         else:
-            # A factor says nothing of what is nominally 0, nor of an angle.
+            # A factor has no effect on what is nominally 0, nor a meaning for an angle.
             by_factor = nominal != 0.0 and parameter.unit != "rad"
             parts = ["scale"] if by_factor else ["add"]
             if by_factor and deviation.add != 0.0:
@@ -219,7 +219,7 @@ class _Forms:
             yield form
 
     def _origin(self, path: str) -> Any:
-        """What the scenario says at a path, or where it has no such place what there is."""
+        """The scenario's value at a path, or the present one where it has no such place."""
         try:
             return value_at(self._robots.scenario, path)
         except LookupError:

@@ -49,7 +49,7 @@ class Origins:
         for candidate in _spelt(robot, path):
             try:
                 origin = self._document.inherited(f"robots.{name}.{candidate}")
-            except AmorsimError:  # nothing says it, or a fleet's table speaks of many robots
+            except AmorsimError:  # no value, or a fleet's table is about many robots
                 continue
             if _differ(origin.value, value, is_angle="_deg" in candidate):
                 return "command line", "from the command line"
@@ -58,7 +58,7 @@ class Origins:
 
 
 def _spelt(robot: Robot, path: str) -> Iterator[str]:
-    """The paths at which a document may say a value, the most particular first."""
+    """The paths at which a document may set a value, the most particular first."""
     parts = path.split(".")
     is_error = parts[0] == "errors"
     chain = robot.ground if parts[0] == "ground" else ()

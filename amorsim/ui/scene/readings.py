@@ -30,7 +30,7 @@ def drawing_of(sensor: Sensor, mount: Mount, shape: Shape, *, has_bearings: bool
     mount, shape
         Where it sits on the robot, and the robot's footprint.
     has_bearings
-        Whether it tells where each of its values looks.
+        Whether it has a direction for each of its values.
     """
     columns = sensor.columns()
     match sensor:

@@ -105,7 +105,7 @@ def _controller(controller: Any) -> str:
 def _wheels(drive: Drive, stacked: Drive) -> list[list[float]]:
     """The wheels that roll, where they touch the ground, and those of a car that steer."""
     places = stacked.contacts(np.zeros((1, len(drive.joints))))[0]
-    if not places.any():  # a drive that does not say
+    if not places.any():  # a drive that does not define them
         return []
     radii = np.broadcast_to(stacked.rolling_radius(), (1, len(places)))[0]
     wheels = [[x, y, 0.0, radius] for (x, y), radius in zip(places.tolist(), radii.tolist(), strict=True)]
@@ -117,7 +117,7 @@ def _wheels(drive: Drive, stacked: Drive) -> list[list[float]]:
 
 
 def _drive_channels(drive: Drive) -> list[Channel]:
-    """The drive's channels with their limits, as far as its fields have names that tell them."""
+    """The drive's channels with their limits, as far as its fields have names that show them."""
     fixed = [joint.name for joint in drive.joints if not joint.rolls]
     channels: list[Channel] = []
     for name in drive.channels:

@@ -48,9 +48,7 @@ class StillBuilder:
         for robot in partial.robots:
             try:
                 entry, parts = robots.entry(robot), _parts(robot, robots)
-            except (
-                Exception
-            ):  # what a plugin's drive or sensor says of itself may fail, and is no reason to show nothing
+            except Exception:  # of a plugin's drive or sensor, and no reason to show nothing
                 outlines += _outline(robot)
                 continue
             entries.append(entry)

@@ -62,7 +62,7 @@ class Channel(TypedDict):
 
 
 class Drawing(TypedDict, total=False):
-    """How readings are drawn; `style` always says which of these it is, and of the rest it has what it needs.
+    """How readings are drawn; `style` is always there, and of the rest what that style needs.
 
     - ``beams``, ``cones``: values are ranges [m] along `bearings`.
     - ``things``: a table of what is seen at a ``range`` and a ``bearing``, with its ``id`` or its ``colour``, which is
@@ -162,7 +162,7 @@ class Floor(TypedDict):
 
 
 class Recorded(TypedDict):
-    """What the page says of a recorded run."""
+    """The page's description of a recorded run."""
 
     replica: int
     replicas: list[int]
@@ -203,7 +203,7 @@ class Still(TypedDict):
     """A scenario at rest: what can be drawn of it without a simulation.
 
     `robots` and `obstacles` are the poses, x, y [m], heading [rad], of those in the scene; None where a body has none
-    yet, since its start is drawn, or the map is missing that would say it.
+    yet, since its start is drawn, or the map that it depends on is missing.
     """
 
     scene: Scene

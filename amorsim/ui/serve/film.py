@@ -98,7 +98,7 @@ def _colours(film: Film, size: tuple[int, int]) -> Image.Image:
 
 
 def _size(data: bytes) -> tuple[int, int]:
-    """The width and height of a PNG, as its head says."""
+    """The width and height of a PNG, from its head."""
     try:
         start, kind, width, height = _HEAD.unpack_from(data)
     except struct.error:

@@ -47,8 +47,8 @@ class Invitation:
                 self._opening[-1].open()
 
     def _invite(self, door: Door) -> None:
-        """Say where another browser gets in, once the address that was said last has been used."""
-        with contextlib.suppress(OSError):  # nobody reads what is said any more
+        """Print where another browser gets in, once the address that was printed last has been used."""
+        with contextlib.suppress(OSError):  # nobody reads the output any more
             self._say(f"for another browser: {door.new_address(used=lambda: self._invite(door))}")
 
     def forget(self) -> None:

@@ -1,4 +1,4 @@
-"""Before the door: connections that do not say in time what they want, or of which there are too many, are closed.
+"""Before the door: connections that do not identify themselves in time, and those beyond a limit, are closed.
 
 The server library caps how long the head of a request may be. It has no setting for how long one may take, nor for how
 many may be under way. Once a request has come whole, the guard refuses it or lets it in (`amorsim.ui.serve.security`).

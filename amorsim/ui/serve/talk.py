@@ -1,4 +1,4 @@
-"""What the server and one window say to each other over the window's WebSocket.
+"""The messages between the server and one window over the window's WebSocket.
 
 From the window comes text (see `amorsim.ui.serve.wire`): commands, each answered by ``{"answer": n, "said": ...}``, and
 which frame it has drawn. What is neither is answered too, with what is wrong with it. To the window go

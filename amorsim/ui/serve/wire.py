@@ -47,7 +47,7 @@ def _no_number(word: str) -> NoReturn:
 
 
 def decode(text: str | None) -> dict[str, Any]:
-    """The message that a text is, as far as it is a command, or says what is drawn; None is what is no text.
+    """The message in a text: a command, or a report of what is drawn; None if it is not text.
 
     Raises
     ------

@@ -15,7 +15,7 @@ from amorsim.ui.simulator.stacks import is_compiling, robot_of
 
 __all__ = ["Busy", "Interrupted"]
 
-LONGEST_QUIET = 1.0  # [s] after which it is said that kernels are compiled
+LONGEST_QUIET = 1.0  # [s] after which the window shows that kernels are compiled
 
 
 class Interrupted(BaseException):

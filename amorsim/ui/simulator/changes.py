@@ -37,7 +37,7 @@ class Changes:
         self._values[new.robot, new.path] = new.value
 
     def forget(self, robot: str, path: str) -> None:
-        """Hold a parameter for unchanged: it was set to what the scenario says."""
+        """Take a parameter for unchanged: it was set to the scenario's value."""
         self._values.pop((robot, path), None)
 
     def inputs(self) -> list[Input]:

@@ -1,7 +1,7 @@
-"""The child process: it owns the simulation and does what its session says, over standard input and output.
+"""The child process: it owns the simulation and follows its session, over standard input and output.
 
 Three threads: the first one simulates, and is the one that a user's controller can hold up; the second reads what the
-session says; the third writes answers. So the session hears from it also while a controller does not return, the
+session sends; the third writes answers. So the session hears from it also while a controller does not return, the
 simulation never waits for a reader, and the process ends when its session does: then there is nothing more to read.
 """
 
@@ -51,7 +51,7 @@ LONGEST_END = 1.7  # [s] that a step may take to end once all is to end
 # Where not even a thread that only reads gets its turn (code that never lets Python go), the process ends by itself.
 LONGEST_SILENCE = 60.0  # [s]
 
-# What the session says that the simulation needs not be asked for.
+# Messages of the session that need no answer of the simulation.
 _AT_ONCE = ("ping", "frame", "interrupt", "end")
 
 
@@ -75,7 +75,7 @@ class Child:
         self._busy = Busy()
         self._process = os.getpid()
         self._is_wanted = False  # a frame, by the session
-        self._robots: tuple[int, ...] = (0,)  # of which it is to tell all
+        self._robots: tuple[int, ...] = (0,)  # for which frames contain everything
         self._number = 0
         self._changed = True
         self._last_frame = 0.0
@@ -90,7 +90,7 @@ class Child:
     # ---------------------------------------------------------------------------------------------- the reading thread
 
     def read(self) -> None:
-        """Take what the session says, until it says no more."""
+        """Take the session's messages, until there are no more."""
         try:
             while (message := read_message(self._said)) is not None:
                 kind, data = message
@@ -101,7 +101,7 @@ class Child:
                     self._at_once(command)
                 else:
                     self._commands.put(command)
-        finally:  # also after what nobody should say: a child that does not listen would never end
+        finally:  # also after a message that should not come: a child that does not listen would never end
             self.end()
 
     def _at_once(self, command: Mapping[str, Any]) -> None:
@@ -185,7 +185,7 @@ class Child:
             raise SystemExit(0)
 
     def _turn(self) -> None:
-        """Carry out what was said, make a step if one is due, and show how it looks."""
+        """Carry out the messages, make a step if one is due, and show how it looks."""
         does = self._does
         now = time.monotonic()
         wait = LONGEST_SLEEP

@@ -163,7 +163,7 @@ class Commands(Watching):
         return value
 
     def _restore(self, command: Table) -> None:
-        """Set what was changed to what the scenario says: all of a robot, or what is at a path and in it."""
+        """Set changed values to the scenario's: all of a robot, or those at a path and below."""
         robot = self._robot(command)
         specified = self._specified(robot)
         paths = [path for name, path in self.player.changes if name == robot]

@@ -20,7 +20,7 @@ class Controls:
 
     The first window has the controls, until it gives them or goes. A window that is loaded again in its tab, or whose
     connection was lost, gets them back if it is there again within `GRACE`, also when others have come or asked
-    meanwhile. `clock` tells seconds.
+    meanwhile. `clock` returns seconds.
 
     Attributes
     ----------

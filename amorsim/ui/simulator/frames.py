@@ -33,7 +33,7 @@ _UPPER = np.array([0, 1, 2, 4, 5, 8])  # of a 3 x 3 matrix, row by row
 
 
 class Before(NamedTuple):
-    """What a frame needs of the step before it, of the robots that are looked at: to tell velocities from positions."""
+    """What a frame needs of the step before it, of the robots that are looked at: for velocities from positions."""
 
     tick: int
     estimated: Array  # (R, 3)
@@ -53,7 +53,7 @@ def _places(simulation: Simulation) -> Callable[[int], tuple[Frame, int]]:
 
 
 def _joints_measured(frame: Frame) -> tuple[Array, Measurement] | None:
-    """What the first sensor that tells the joints' angles measured of them `(N, j)`, and its reading."""
+    """The joints `(N, j)` as measured by the first sensor that measures their angles, and its reading."""
     for name, model in frame.robot.sensors.items():
         if hasattr(model.sensor, "angles"):
             reading = frame.readings[name][1]
@@ -78,7 +78,7 @@ def look_back(simulation: Simulation, robots: Iterable[int]) -> Before:
 
 
 def selected_of(simulation: Simulation, robots: Iterable[int], before: Before | None) -> dict[int, Selected]:
-    """All of each robot; what only the step before could tell is 0 at the start, and nan where it is not known."""
+    """All of each robot; values that need the step before are 0 at the start, and nan where they are not known."""
     find, pose = _places(simulation), simulation.estimated_pose
     return {robot: _selected(simulation, robot, *find(robot), pose[robot : robot + 1], before) for robot in robots}
 

@@ -32,7 +32,7 @@ _SHAPES: Mapping[str, tuple[int, int | None]] = {
     "borders": (2, 4),
     "cones": (2, 6),
 }
-_SECONDS = 1.0  # that arcs last whose controller does not say
+_SECONDS = 1.0  # that arcs last whose controller sets no time
 NO_INTENTION: Intended = {
     "pose": [],
     "path": None,
@@ -63,7 +63,7 @@ def intended_of(simulation: Simulation, robot: str, *, is_known: bool = True) ->
 
 
 def intended_in(beliefs: Beliefs, row: int, pose: Array, controller: Any, *, is_empty: bool = False) -> Intended:
-    """What the beliefs of a controller say that it intended; none of what it has no belief of.
+    """The intentions in the beliefs of a controller; none where it has no such belief.
 
     A plugin's controller is drawn as well if its beliefs have the names and shapes of the built-in ones.
 

@@ -49,7 +49,7 @@ class Keeper:
     link
         The link to the present child; None before there was one.
     hang
-        What the child, or its end, tells of a controller that hangs; None where none does.
+        The report of the child, or of its end, on a controller that hangs; None where none does.
     is_compiling
         Whether it was compiling kernels when it was looked at last.
     remarks
@@ -115,7 +115,7 @@ class Keeper:
         while not (await asyncio.wait([link.ready], timeout=BETWEEN_PINGS))[0]:
             if time.monotonic() > deadline:
                 raise AmorsimError(f"the simulation was not ready after {LONGEST_START:g} s")
-            with contextlib.suppress(AmorsimError):  # it has ended, and `link.ready` is about to say so
+            with contextlib.suppress(AmorsimError):  # it has ended, which `link.ready` is about to report
                 if sign is not None and sign.done():
                     self._look_for_compiler(sign.result())
                     sign = None
@@ -176,7 +176,7 @@ class Keeper:
             self.send({"do": "remark", "kind": kind, "text": text, **more})
 
     def ask_frame(self, robots: list[int], *, now: bool) -> bool:
-        """Ask for a frame that tells all of these robots; whether there is a child to ask."""
+        """Ask for a frame with all of these robots; returns whether there is a child to ask."""
         if self.link is None or not self.link.is_alive:
             return False
         self.link.tell({"do": "frame", "now": now, "robots": robots})

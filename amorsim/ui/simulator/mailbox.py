@@ -43,7 +43,7 @@ class Mailbox:
     async def newest(self, after: int, robot: Callable[[], int]) -> bytes:
         """The newest frame whose number is above `after`, as soon as there is one.
 
-        It tells all of the robot that `robot` gives when it is there.
+        It contains everything about the robot that `robot` gives when it is there.
         """
         is_newer = self._number > after
         if is_newer and (self._is_still or time.monotonic() - self._at < FRESH):

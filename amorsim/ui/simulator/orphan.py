@@ -1,6 +1,6 @@
 """A process that a session started, and its end where the session ends while it is still being loaded.
 
-Later it reads its standard input, whose end tells that nobody waits any more. But until numpy and numba are loaded it
+Later it reads its standard input, whose end shows that nobody waits any more. But until numpy and numba are loaded it
 reads nothing, which takes a second, and many of them on a machine that has much else to do. Loads nothing itself.
 """
 

@@ -1,7 +1,7 @@
 """Frames: the bytes in which a moment goes from the child to the session, and from there to each window.
 
 The child packs a **bundle**: what all frames share, and in addition what belongs to one robot, for each robot that
-a window looks at. Of that the session makes each window's **frame**, which tells of one robot.
+a window looks at. Of that the session makes each window's **frame**, which is about one robot.
 """
 
 from __future__ import annotations
@@ -113,7 +113,7 @@ class RobotFlag(enum.IntFlag):
 
 
 class Selected(NamedTuple):
-    """What a frame tells of the selected robot alone."""
+    """The part of a frame about the selected robot alone."""
 
     true: Array  # (V,) the sensors' true values, in the scene's order
     measured: Array  # (V,)
@@ -274,7 +274,7 @@ class Bundle:
 
     @property
     def robots(self) -> list[int]:
-        """Of which robots it tells all."""
+        """The robots of which it contains everything."""
         return list(self._heads)
 
     def frame(self, robot: int, number: int, flags: int | None = None) -> bytes | None:
@@ -285,7 +285,7 @@ class Bundle:
         return _changed(head, number, self.flags if flags is None else flags) + self._tail
 
     def bare_frame(self, robot: int, number: int, flags: int) -> bytes:
-        """A frame that tells nothing of the robot but what it tells of all."""
+        """A frame that contains of the robot no more than of all others."""
         fields = list(FRAME_HEADER.unpack_from(next(iter(self._heads.values()))))
         fields[_ROBOT : _ROBOT + 5] = (robot, 0, 0, 0, 0)
         fields[-3:] = (0, 0, 0)  # parts, particles, hypotheses

@@ -21,7 +21,7 @@ Ints = npt.NDArray[np.int64]
 
 FEW = 8  # up to this many robots have their past kept, watched or not
 MOST = 6000  # moments of a robot; when it is full, every other of the older half goes
-FIRST = 8  # values of a sensor that are plotted, if no table says how long its lines are
+FIRST = 8  # values of a sensor that are plotted, if no table gives the length of its lines
 
 
 class Pasts:

@@ -93,7 +93,7 @@ class Player(Simulated):
             self._to_present()
 
     def step(self, *, watched: bool = True) -> bool:
-        """Make a step, and say whether it was made; if not, `fault` says why.
+        """Make a step; returns whether it was made. If not, `fault` is the reason.
 
         Without `watched` frames lack the velocities that follow from two steps together.
         """
@@ -253,7 +253,7 @@ class Player(Simulated):
         return self._newest
 
     def resume(self, tick: int, carried: Carried | None = None) -> str:
-        """Simulate what the inputs say, up to a tick, as though it had been watched; returns from where, in words.
+        """Simulate the inputs up to a tick, as though it had been watched; returns from where, in words.
 
         From the start, or from a snapshot that another process has taken.
         """
@@ -316,7 +316,7 @@ class Player(Simulated):
                 self.fault = None
 
     def forget_change(self, robot: str, path: str) -> None:
-        """Hold a parameter for unchanged: it was set to what the scenario says."""
+        """Take a parameter for unchanged: it was set to the scenario's value."""
         self._changes.forget(robot, path)
 
     @property

@@ -124,7 +124,7 @@ class Saver:
 
 
 def _talk(process: subprocess.Popen[str], order: str) -> tuple[str, str]:
-    """Give a process an order; what it says until its end, and its log."""
+    """Give a process an order; returns its output until its end, and its log."""
     assert process.stdin is not None
     assert process.stdout is not None
     assert process.stderr is not None
@@ -132,7 +132,7 @@ def _talk(process: subprocess.Popen[str], order: str) -> tuple[str, str]:
     reader = threading.Thread(target=lambda: log.extend(process.stderr or ()), daemon=True)
     reader.start()
     with contextlib.suppress(OSError, ValueError):
-        # It stays open: its end is what tells the process to end too.
+        # It stays open: at its end the process ends too.
         process.stdin.write(order)
         process.stdin.flush()
     out = process.stdout.read()

@@ -1,4 +1,4 @@
-"""What the child process, the session and the window say to each other: scenes, frames, commands and answers.
+"""The messages between the child process, the session and the window: scenes, frames, commands and answers.
 
 A **scene** (JSON, see `amorsim.ui.scene.wire`) is sent when a scenario is loaded: all that stays as it is while the
 simulation runs. A **frame** (binary, see `amorsim.ui.simulator.packing`) is one moment. **Commands** are small tables
@@ -66,7 +66,7 @@ class ParameterForm(TypedDict):
     holds, `true` what really is), ``"noise"`` (an element of a chain), ``"nominal"`` (the robot's software and, by its
     error, the truth), ``"controller"`` or ``"estimator"``. `low` and `high` bound what is allowed, `slider` what a
     slider is good for; it is empty where there is none. A value that is drawn is none, with `drawn` in words and
-    `drawn_value` what was drawn. `fixed` says why the value cannot change now.
+    `drawn_value` what was drawn. `fixed` is the reason why the value cannot change now.
     """
 
     path: str
@@ -82,8 +82,8 @@ class ParameterForm(TypedDict):
     is_open: list[bool]  # whether low and high themselves are left out
     slider: list[float]
     value: Any  # a number, or what else the widget shows
-    scenario: Any  # what the scenario says
-    is_changed: bool  # whether the scenario says something else
+    scenario: Any  # its value in the scenario
+    is_changed: bool  # whether the scenario has another value
     is_added: bool  # whether it is of an element of noise that the scenario does not have
     fixed: str
     drawn: str
@@ -92,7 +92,7 @@ class ParameterForm(TypedDict):
     true: float | None
     deviation: list[FieldForm]  # of a systematic error: its parts, each fixed or drawn
     kind: str
-    origin: str  # of what the scenario says: "file", "model", "device", "default", "command line", or "" if not known
+    origin: str  # of the scenario's value: "file", "model", "device", "default", "command line", or "" if not known
     source: str  # the same in words, with file and line
 
 
@@ -196,7 +196,7 @@ class State(TypedDict):
 
 
 class Past(TypedDict):
-    """What else plots tell of a robot: since it was first looked at, or since the start where robots are few.
+    """What else plots show of a robot: since it was first looked at, or since the start where robots are few.
 
     `values` is a line of float64, little endian and in base64, for each tick: true and estimated pose (3 each),
     covariance (6), true and estimated twist (3 each), true and measured joint rates, true and measured values of all

@@ -110,7 +110,7 @@ class RecordedScene:
         return f"{self._folder / 'scenario.toml'}: {what} cannot be read" + (f": {faults}" if faults else "")
 
     def _facts(self, partial: Partial) -> list[list[str]]:
-        """What the page says of the run: names and values."""
+        """The page's description of the run: names and values."""
         about = self._about
         last = self._files.last_tick * float(about["dt"])
         status = str(about["status"])

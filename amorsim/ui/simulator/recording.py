@@ -81,7 +81,7 @@ class Recording(Source):
             raise
 
     def _note(self, problem: str) -> None:
-        """Keep a problem, which the page says once."""
+        """Keep a problem, which the page shows once."""
         self._problems.append(problem)
         self.remark("fault", problem)
 
@@ -150,7 +150,7 @@ class Recording(Source):
             self._tick = 0
 
     def step(self, *, watched: bool = True) -> bool:
-        """Go to the next tick, and say whether there is one."""
+        """Go to the next tick; returns whether there is one."""
         if self._tick == self._newest:
             return False
         self._tick += 1

@@ -35,7 +35,7 @@ class Replaying(Watching):
         return {**super().state(), "damage": damage} if damage else super().state()
 
     def _refusal(self, name: str) -> str:
-        """What is said to a command that would change something."""
+        """The answer to a command that would change something."""
         return f"{name}: this is a recorded run, which cannot be changed; amorsim view simulates"
 
     def _replica(self, command: Table) -> Answer:

@@ -30,7 +30,7 @@ def save_scenario(simulation: Simulation, path: Path, *, changes: Sequence[str] 
     """Write a simulation's scenario with the present parameters of its robots.
 
     The file that it was read from is written as its author wrote it, except for what was changed: by `changes` when it
-    was read, and since. All is written out for a scenario without a file, where that file cannot say it (robots of one
+    was read, and since. All is written out for a scenario without a file, and where the file cannot (robots of one
     table that differ by now), and where it has been edited since it was read.
 
     Parameters

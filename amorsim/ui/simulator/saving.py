@@ -64,7 +64,7 @@ def main() -> None:
 
 
 def _end_with_the_session() -> None:
-    """Break off when nobody waits any more, which the end of standard input tells."""
+    """Break off when nobody waits any more, at the end of standard input."""
     sys.stdin.read()
     _thread.interrupt_main()
     time.sleep(LONGEST_END)

@@ -49,7 +49,7 @@ class Session:
     project
         The folder that scenarios and runs are saved in; the present one if not given.
     patience
-        After how long [s] without an answer a controller is said to hang.
+        After how long [s] without an answer a controller counts as hanging.
     notice
         Called with what the user should know while he waits: once, that kernels are being compiled.
 
@@ -92,7 +92,7 @@ class Session:
         Raises
         ------
         AmorsimError
-            If the scenario cannot be simulated, with what `amorsim run` would say.
+            If the scenario cannot be simulated, with the message of `amorsim run`.
         """
         return await self._keeper.start()
 

@@ -38,7 +38,7 @@ Say = Callable[[str], None]
 
 
 def check_extra() -> None:
-    """Raise what says what to install where the window's own libraries are not there."""
+    """Raise an error that states what to install if the window's own libraries are missing."""
     if any(importlib.util.find_spec(name) is None for name in ("starlette", "uvicorn", "websockets")):
         raise AmorsimError('the window needs the extra "ui": python -m pip install "amorsim[ui]"')
 
@@ -93,7 +93,7 @@ def show(
 
     pages = Pages()
     shown = _Shown(recipe, pages, out=out, say=say, complain=complain, notice=notice)
-    last_word = threading.Lock()  # said once: here, or by the timer that waits for nothing
+    last_word = threading.Lock()  # printed once: here, or by the timer that waits for nothing
     invitation = Invitation(browser=browser, say=say, complain=complain)
 
     def tell() -> None:

@@ -75,7 +75,7 @@ class Source(abc.ABC):
 
     @abc.abstractmethod
     def step(self, *, watched: bool = True) -> bool:
-        """Go to the next tick, and say whether there is one.
+        """Go to the next tick; returns whether there is one.
 
         Without `watched` no frame of this tick will be asked for.
         """

@@ -1,4 +1,4 @@
-"""What a thread's stack says: whether kernels are being compiled, and whose controller it is in."""
+"""What a thread's stack shows: whether kernels are being compiled, and whose controller it is in."""
 
 from __future__ import annotations
 

@@ -73,7 +73,7 @@ class Watching(abc.ABC):
             return {"ok": False, "error": str(error)}
 
     def _refusal(self, name: str) -> str:
-        """What is said to a command that is not known here."""
+        """The answer to a command that is not known here."""
         return f"there is no command {name!r}.{did_you_mean(name, list(self._does))}"
 
     # ------------------------------------------------------------------------------------------------------- arguments
