@@ -156,7 +156,7 @@ def _made(world: Map, reach: float, side: float, avoid_unknown: bool) -> Cells:
     gaps = None
     occupied = 1 - _flat(free)
     if reach > 0.0:
-        # A wall that the footprint just touches is no obstacle, however its distance is rounded.
+        # A wall that the footprint just touches is not an obstacle, however its distance is rounded.
         needed = reach / side * (1.0 - 1e-12)
         most = min(math.ceil(needed), max(free.shape) + 1)
         gaps = np.empty(free.shape, np.int32)
@@ -174,7 +174,7 @@ def _made(world: Map, reach: float, side: float, avoid_unknown: bool) -> Cells:
 
 
 def check_map(world: Map) -> None:
-    """Raise `PlanError` if this is no map."""
+    """Raise `PlanError` if this is not a map."""
     if not isinstance(world, Map):
         raise PlanError(f"world is a {type(world).__name__}; expected a Map, as am.Map.from_array makes of an array")
 

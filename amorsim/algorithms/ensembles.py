@@ -1,4 +1,4 @@
-"""What many replicas did at each time: mean, spread, and how sure the mean is."""
+"""Many replicas at each time: their mean, their spread, and how sure the mean is."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Ensemble(NamedTuple):
 
 
 def ensemble(values: npt.ArrayLike, *, confidence: float = 0.95) -> Ensemble:
-    """Figures of values `(S, R)` of R replicas at S times; nan is no value.
+    """Figures of values `(S, R)` of R replicas at S times; nan is not a value.
 
     Parameters
     ----------

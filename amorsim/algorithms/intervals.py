@@ -61,7 +61,7 @@ def mean_interval(samples: npt.ArrayLike, confidence: float = 0.95) -> Interval:
     Raises
     ------
     ValueError
-        If `samples` are no list of numbers, or `confidence` is not between 0 and 1.
+        If `samples` are not a list of numbers, or `confidence` is not between 0 and 1.
     """
     given = numbers(samples, "samples", ("n",))
     level = real(confidence, "confidence", "a number between 0 and 1")

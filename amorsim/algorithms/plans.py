@@ -29,7 +29,7 @@ def find_plan(
     Raises
     ------
     ComponentError
-        If it raises what is no error of amorsim, or returns what is no plan; the message names the planner.
+        If it raises another error than amorsim's, or returns no plan; the message names the planner.
     """
     what = f"planner ({type(planner).__name__})"
     try:

@@ -104,7 +104,7 @@ def _put(new: Path, path: Path) -> None:
 
 
 def _latched() -> Any:
-    """What a publisher of frames that never change offers: the last message to those that listen later."""
+    """The quality of service for frames that never change: those that listen later get the last message."""
     from rosbags import interfaces as ros
 
     never = ros.QosTime(0, 0)

@@ -78,7 +78,7 @@ def compare(
 def _origin(
     studies: Sequence[Study], axis: str | None, metrics: Sequence[str], estimators: Sequence[str]
 ) -> dict[str, Any]:
-    """What is compared: each study with all that it is made of, and the command that repeats the comparison."""
+    """The studies that are compared, with all that they are made of, and the command that repeats the comparison."""
     folders = [study.folder.resolve().name for study in studies]
     command = ["amorsim", "compare", *folders, *(["--axis", axis] if axis else [])]
     for option, names in (("--metric", metrics), ("--estimator", estimators)):
@@ -116,7 +116,7 @@ def _between(studies: Sequence[Study], labels: Sequence[str], chosen: Sequence[s
 
 
 def _about(studies: Sequence[Study], metric: str) -> dict[str, str]:
-    """What is known of a metric that several studies have; all estimators, where they judge different ones."""
+    """The record of a metric that several studies have; with all estimators, where they judge different ones."""
     estimators = dict.fromkeys(_estimator_of(study, metric) for study in studies)
     return {**studies[0].about["metrics"][metric], "estimator": ", ".join(filter(None, estimators))}
 

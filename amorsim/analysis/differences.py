@@ -1,4 +1,4 @@
-"""What a comparison finds: figures of each system, paired differences, and what may be claimed of them."""
+"""The result of a comparison: figures of each system, paired differences, and what may be claimed of them."""
 
 from __future__ import annotations
 
@@ -150,7 +150,7 @@ def p_in_words(value: float) -> str:
 
 @attrs.frozen(kw_only=True, eq=False)
 class Comparison:
-    """What `compare` found: a summary of each system and metric, and each pair's difference.
+    """The result of `compare`: a summary of each system and metric, and each pair's difference.
 
     Attributes
     ----------

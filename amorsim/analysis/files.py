@@ -29,7 +29,7 @@ _COVARIANCE = ("xx", "xy", "xh", "xy", "yy", "yh", "xh", "yh", "hh")
 
 
 class RunFiles:
-    """What lies in the folder of a run: `about` is its ``run.json``; `table` and `arrays` read its text files.
+    """The files in the folder of a run: `about` is its ``run.json``; `table` and `arrays` read its text files.
 
     Each file is read once, when it is first asked for. A run that was killed can be read too, up to its last whole
     lines.

@@ -54,7 +54,7 @@ def measure(run: str | os.PathLike[str] | RunFiles, metric: Metric, *, robot: st
 
 
 def episode_of(files: RunFiles, needs: Sequence[str], *, robot: str | None = None) -> Episode:
-    """What metrics see of a run; errors as of `measure`."""
+    """The metrics' view of a run; errors as of `measure`."""
     robot = files.robots[0] if robot is None else robot
     poses = files.arrays("poses", robot=robot)
     specified = next(each for each in files.scenario.robots if each.name == robot)

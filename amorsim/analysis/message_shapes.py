@@ -22,7 +22,7 @@ _NOT_FINITE = ("Infinity", "-Infinity", "NaN")  # as JSON has them
 
 @attrs.frozen
 class _Leaf:
-    """A value that is no message: whether one fits, and what fits in words."""
+    """A value that is not a message: whether one fits, and what fits in words."""
 
     fits: Callable[[Any], bool]
     expected: str

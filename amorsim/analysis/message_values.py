@@ -1,4 +1,4 @@
-"""What messages of ROS and of Foxglove mean: poses, readings and commands in the plane."""
+"""The meaning of messages of ROS and of Foxglove: poses, readings and commands in the plane."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def holds_pose(kind: str) -> bool:
 
 
 def pose_of(kind: str, content: Any, frame: str | None) -> tuple[Any, Pose] | None:
-    """What has the stamp of a message, and its pose; None where it has none of that frame."""
+    """The part of a message with its stamp, and its pose; None where it has none of that frame."""
     if kind == "tf2_msgs/TFMessage":
         for each in content.transforms:
             if frame is None or each.child_frame_id == frame:

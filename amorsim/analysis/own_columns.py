@@ -1,4 +1,4 @@
-"""What is a robot's own in the tables of a run, whose columns are those of all its robots together."""
+"""A robot's own columns in the tables of a run, whose columns are those of all its robots together."""
 
 from __future__ import annotations
 

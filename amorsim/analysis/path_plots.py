@@ -26,7 +26,7 @@ Array = npt.NDArray[Any]
 
 PIXELS = 900  # of the map's longer side
 MOST_PATHS = 300  # of replicas that are drawn
-ELLIPSES = 12  # along a path, at the most
+ELLIPSES = 12  # along a path, at most
 
 
 def draw_path(files: RunFiles, robot: str, replica: int | None, trace: Trace) -> Figure:

@@ -259,7 +259,7 @@ def relation_errors(
     Raises
     ------
     AnalysisError
-        If these are no relations, or none has poses at its times.
+        If these are not relations, or none has poses at its times.
     """
     try:
         given = numbers(relations, "relations", ("M", 5))

@@ -85,7 +85,7 @@ def read_log(
     command: str | None = None,
     replica: int | None = None,
 ) -> Iterator[LogEntry]:
-    """What a robot received, from a run's folder, a rosbag or an MCAP file, to feed an `EstimatorRunner`.
+    """The readings that a robot received, from a run's folder, a rosbag or an MCAP file, for an `EstimatorRunner`.
 
     ``runner.update(*entry)`` takes an entry. There is one for each time at which a reading or a command arrived.
 

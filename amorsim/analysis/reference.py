@@ -17,7 +17,7 @@ FILES = ("robot", "device", "scenario")  # kinds that are registered as files
 
 
 def summary_of(registry: Registry, entry: Entry) -> str:
-    """What a registered thing is, in a line."""
+    """The description of a registered thing, in a line."""
     if entry.kind in FILES:
         text = registry.file(entry.kind, entry.name).read_text(encoding="utf-8")
         return text.split("\n")[0].lstrip("# ").rstrip()
@@ -30,7 +30,7 @@ def _text(cls: type) -> str:
 
 
 def manual(registry: Registry, entry: Entry) -> str:
-    """What a registered component is and takes, as plain text; a model or scenario is a file, its own manual."""
+    """The manual of a registered component as plain text; a model or scenario is a file, its own manual."""
     lines = [f"{entry.kind.replace('_', ' ')} {entry.name}  [{entry.plugin}]", ""]
     if entry.kind in FILES:
         path = registry.file(entry.kind, entry.name)

@@ -1,4 +1,4 @@
-"""What a robot received in a recorded run, as an estimator without the simulator takes it."""
+"""The readings that a robot received in a recorded run, for an estimator without the simulator."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Array = npt.NDArray[np.float64]
 
 
 class LogEntry(NamedTuple):
-    """What arrived at one time, as `EstimatorRunner.update` takes it."""
+    """The readings that arrived at one time, as `EstimatorRunner.update` takes them."""
 
     time: float
     """[s] when it was received."""

@@ -23,7 +23,7 @@ MANY = 24  # values of a sensor from which it is drawn as an image
 
 
 def draw_sensor(files: RunFiles, robot: str, replica: int | None, name: str) -> Figure | None:
-    """What one sensor of a robot read, true and measured; None if there is no sample."""
+    """The readings of one sensor of a robot, true and measured; None if there is no sample."""
     sensor: Sensor = next(each for each in files.scenario.robots if each.name == robot).sensors[name].sensor
     readings = files.table(f"sensors/{name}", robot=robot, replica=replica)
     if not len(readings["time"]):

@@ -106,7 +106,7 @@ def _write_stage(source: str, target: Path, *, resolution: float | None, changes
     write_world(before.map, target, force=force, use="stage", more=f"\n{models}")
     again = load(target)
     bodies = f"{_counted(len(again.robots), 'robot')}, {_counted(len(again.obstacles), 'obstacle')}"
-    # Robots have places of their own: the map's start is no loss.
+    # Robots have places of their own: the map's start is not lost.
     cells = lost_in_words(attrs.evolve(lost_cells(before.map, again.map), has_start=False))
     say(f"{target}: {bodies}, {_counted(len(again.landmarks), 'landmark')}; with these {cells}")
 

@@ -1,4 +1,4 @@
-"""What components are bound to: the arrays of their robots, which keep their place, and where results go.
+"""The arrays that components are bound to: those of their robots, which keep their place, and those for results.
 
 `bind` of a component returns the function that each step calls. Arrays here are those of the engine itself: read all of
 them, and write into `out` and `state` only.

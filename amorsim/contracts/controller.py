@@ -56,14 +56,14 @@ class Controller(Component, abc.ABC):
         return ()
 
     def reports(self, state: State) -> Sequence[tuple[int, str, object]]:
-        """What happened in the last `command`: the row, a word such as ``"goal_reached"``, and a number or text.
+        """The reports of the last `command`: the row, a word such as ``"goal_reached"``, and a number or text.
 
         Each becomes an event of the kind ``"report"``. Called after each `command`; do not change `state`.
         """
         return ()
 
     def beliefs(self, state: State) -> Beliefs:
-        """What it intends or compared in the last `command`: a path, arcs ...; nothing by default.
+        """Its intentions and comparisons in the last `command`: a path, arcs ...; nothing by default.
 
         The same rules hold as for `Estimator.beliefs`. Frames have them under the name ``"controller"``.
         """

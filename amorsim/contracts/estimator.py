@@ -57,7 +57,7 @@ class Estimator(Component, abc.ABC):
         """
 
     def beliefs(self, state: State) -> Beliefs:
-        """What else it believes after the last update: innovations, verdicts of gates, biases ...; nothing by default.
+        """Its further beliefs after the last update: innovations, verdicts of gates, biases ...; nothing by default.
 
         Called only when a recorder, a viewer or the controller asks, so compute here what `update` does not need.
         Names and shapes are the same in every step: (N, ...), of float64, int64 or bool, first axis the row. Values are
@@ -76,7 +76,7 @@ class Estimator(Component, abc.ABC):
         return None
 
     def sources(self) -> Sequence[tuple[str, str, str]]:
-        """What it uses: a sensor or another source, what that shows of the state, and how far it is trusted.
+        """Its sources: a sensor or another, what that shows of the state, and how far it is trusted.
 
         Called on the estimator as specified, before stacking; ``amorsim check`` prints it as a table.
         """

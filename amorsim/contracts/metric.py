@@ -20,7 +20,7 @@ __all__ = ["Episode", "Metric"]
 
 @attrs.frozen(kw_only=True, eq=False)
 class Episode:
-    """What happened to one robot, in all replicas, from the start to the end. Do not change the arrays."""
+    """The run of one robot, in all replicas, from the start to the end. Do not change the arrays."""
 
     robot: str
     """Its name."""
@@ -29,7 +29,7 @@ class Episode:
     time: Array
     """(S,) [s], of the start and of each step."""
     kept: Mapping[str, npt.NDArray[Any]]
-    """What the metric asked for in `needs`, by name: (S, R, ...), a row for each replica."""
+    """The quantities that the metric lists in `needs`, by name: (S, R, ...), a row for each replica."""
     events: Sequence[Any]
     """Events (`am.Event`) of the robot, of all these replicas, in order."""
     map: Map

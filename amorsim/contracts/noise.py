@@ -29,7 +29,7 @@ class Noise(Component):
         return aim
 
     def steps(self) -> Sequence[NoiseStep]:
-        """What the element does, as steps for a kernel; empty if `corrupt` is written in Python.
+        """The element as steps for a kernel; empty if `corrupt` is written in Python.
 
         A chain runs the steps of neighbouring elements in one call, so an element made of steps costs next to
         nothing. Do not override `corrupt` then: it runs the same steps.

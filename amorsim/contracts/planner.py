@@ -35,7 +35,7 @@ class Plan:
     """Length of the path [m]; inf without one. Of a curve it is that of the curve, not of the lines between its poses,
     which are shorter by 0.1 % at most."""
     cost: float = math.inf
-    """What the planner minimised, along this path; inf without one."""
+    """The cost that the planner minimised, along this path; inf without one."""
     expanded: int = 0
     """How many cells or states the planner expanded."""
     searched: Array = attrs.field(factory=lambda: np.empty((0, 2)))

@@ -59,7 +59,7 @@ class ObstacleFrame(NamedTuple):
 
 
 class RunInfo(NamedTuple):
-    """What a recorder knows of a run before its first step."""
+    """The description of a run for recorders, before its first step."""
 
     folder: Path  # exists, and belongs to this run only
     dt: float  # [s]

@@ -1,4 +1,4 @@
-"""What a robot is made of, drives and sensors, and what it knows of itself."""
+"""The parts of a robot, drives and sensors, and the model that it has of itself."""
 
 from __future__ import annotations
 
@@ -233,7 +233,7 @@ class Sensor(Component, abc.ABC):
         """Follow the command `(N, c)` of its own `channels` for a step; the result goes into `state`."""
 
     def emit(self, view: View, state: State) -> Emission | None:
-        """What it emits into its `medium`; called for all sensors that have one before any sensor senses."""
+        """Its emission into its `medium`; called for all sensors that have one before any sensor senses."""
         return None
 
 
@@ -255,7 +255,7 @@ class SensorModel:
 
 @attrs.frozen(kw_only=True)
 class RobotModel:
-    """What N robots know of themselves and their world: nominal parameters and knowledge, never the truth."""
+    """The model that N robots have of themselves and their world: nominal parameters and knowledge, never the truth."""
 
     rows: int
     dt: float  # [s]
@@ -269,7 +269,7 @@ class RobotModel:
     names: Sequence[str] = ()  # the rows' robots, for messages
     maps: Sequence[Map | None] = ()  # (N,) what each row knows, if replicas have different maps; else empty
     beliefs: Mapping[str, Beliefs] = attrs.field(factory=dict, eq=False)
-    """What its estimators believe now, by name, as `Estimator.beliefs` returns it; computed when looked up."""
+    """The present beliefs of its estimators, by name, as `Estimator.beliefs` returns them; computed when looked up."""
 
     def map_of(self, row: int) -> Map | None:
         """The map that a row's robot knows, or None."""

@@ -1,4 +1,4 @@
-"""What components pass to one another: readings, estimates, aims and the clock."""
+"""The values that components pass to one another: readings, estimates, aims and the clock."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ __all__ = ["Aim", "Array", "Beliefs", "BeliefsByName", "Clock", "Estimate", "Laz
 Array = npt.NDArray[np.float64]
 State = dict[str, npt.NDArray[Any]]
 Beliefs = Mapping[str, npt.NDArray[Any]]
-"""What an estimator believes besides the pose: arrays by name, first axis the row; nan where there is nothing."""
+"""An estimator's beliefs besides the pose: arrays by name, first axis the row; nan where there is nothing."""
 
 
 class LazyBeliefs(Mapping[str, npt.NDArray[Any]]):
-    """Beliefs of which some are functions, which compute an array when it is looked up: for what few ask for.
+    """Beliefs some of which are functions, which compute an array when it is looked up: for arrays that few ask for.
 
     Only for the step in which it was made: the functions may read the state as it is then.
     """

@@ -15,7 +15,7 @@ __all__ = ["BodyStates", "Emission", "Emissions", "FloorPoints", "Lights", "Neig
 
 
 class Emission(NamedTuple):
-    """What a sensor emits into its medium: e emitters, each with a cone."""
+    """A sensor's emission into its medium: e emitters, each with a cone."""
 
     poses: Array  # (N, e, 3) pose of each emitter in the world; its cone points along the heading
     half_angle: Array  # (N, e) [rad] of its cone

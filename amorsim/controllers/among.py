@@ -117,7 +117,7 @@ class Among(Avoider):
 
 
 class Known(NamedTuple):
-    """What robots know when they choose a velocity, as in `Among.choose`."""
+    """The knowledge with which robots choose a velocity, as in `Among.choose`."""
 
     others: Array
     own: Array

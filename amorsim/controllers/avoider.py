@@ -81,7 +81,7 @@ class Avoider(Controller):
         """The twists `(N, 3)` along the paths of `guide`; robots that are not `active` `(N, 1)` stop."""
 
     def start_steering(self, context: Context) -> State:
-        """What `steer` keeps in the state."""
+        """The arrays that `steer` keeps in the state."""
         return {**start_sight(context, self.sensor, type(self).__name__.lower()), **start_moving(context)}
 
     def take_path(self, row: int, pose: Array, axle: Array, state: State) -> None:
@@ -189,7 +189,7 @@ def start_moving(context: Context) -> State:
 def sight_of(
     robot: RobotModel, reading: Measurement, sensor: str, joints: Array, state: State, prefix: str = ""
 ) -> Sight:
-    """What the range sensor reads, in the frame in which the drive goes ahead."""
+    """The range sensor's reading, in the frame in which the drive goes ahead."""
     is_cone = hasattr(robot.sensors[sensor].sensor, "half_angle")
     return Sight(
         np.ascontiguousarray(reading.measured),

@@ -78,7 +78,7 @@ class Navigate(Controller):
     tolerance
         Distance from a goal at which it counts as reached [m].
     least_clearance
-        Distance [m] that paths keep from walls at the least; by default half the width of the footprint.
+        Least distance [m] that paths keep from walls; by default half the width of the footprint.
     recovery
         What it tries where it cannot go on: ``"stop"`` and wait, ``"turn"`` in place, ``"back"`` up (or turn, if
         something is behind it).
@@ -93,7 +93,7 @@ class Navigate(Controller):
     memory
         How long it remembers what it saw [s].
     window
-        Side of the square around itself of which it remembers what it saw [m].
+        Side [m] of the square around the robot in which it remembers what it saw.
     cell
         Side of the cells of this memory [m].
     """

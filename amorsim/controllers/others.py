@@ -1,4 +1,4 @@
-"""What a robot knows of the others around it: from what they send, or from the marks that they carry."""
+"""The others around a robot, as it knows them: from what they send, or from the marks that they carry."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def know_others(
 
 
 def _sent(robot: RobotModel, reading: Measurement, sensor: str, course: Course) -> Array:
-    """What others sent, as they went on since."""
+    """The states that others sent, carried on to the present."""
     others = np.ascontiguousarray(reading.measured.reshape(robot.rows, -1, len(_SENT))[:, :, 1:])
     others[:, :, 0] += others[:, :, 2] * reading.age
     others[:, :, 1] += others[:, :, 3] * reading.age

@@ -45,7 +45,7 @@ _STEP_OUT = 0.5  # [m] from the robot to the nearest place that a plan may start
 
 
 class Answer(NamedTuple):
-    """What came of a plan."""
+    """The outcome of a plan."""
 
     status: str
     """One of `STATUSES`."""
@@ -71,7 +71,7 @@ class Ways(NamedTuple):
     narrow: float
     """[m] kept from walls at the least."""
     mapped: dict[str, Beliefs]
-    """What the mapper believes in this step, once it was looked up."""
+    """The mapper's beliefs in this step, once they were looked up."""
     made: dict[tuple[int, bytes, bytes], Plan]
     """Plans with headings of this step on known maps, which robots that start alike in all replicas share."""
 
@@ -81,7 +81,7 @@ class Ways(NamedTuple):
     ) -> Ways:
         """For these robots, whose avoiders keep a `clearance` [m], one or `(N, 1)`.
 
-        Without a `least_clearance` [m], paths keep half the width of the footprint at the least.
+        Without a `least_clearance` [m], paths keep at least half the width of the footprint.
         """
         reach = float(robot.shape.reach)
         half = min(float(np.abs(robot.shape.outline[:, 1]).max()), reach)
@@ -90,7 +90,7 @@ class Ways(NamedTuple):
         return cls(planner, robot, mapper, np.maximum(room[:, 0], narrow), max(reach, narrow), narrow, {}, {})
 
     def plan(self, pose: Array, goal: Array, window: Window, row: int, since: float) -> Answer:
-        """What came of the plan from a robot's pose to its goal (2,) or (3,).
+        """The outcome of the plan from a robot's pose to its goal (2,) or (3,).
 
         Of the ways that keep different rooms from walls it is the widest that is hardly longer than the shortest.
         """
@@ -119,7 +119,7 @@ class Ways(NamedTuple):
         return Answer("found", found[widest][1], searched)
 
     def _known(self, row: int) -> Map | None:
-        """What a robot knows of the world: what it was given, or what it has mapped."""
+        """The world as a robot knows it: the map that it was given, or the one that it has made."""
         if not self.mapper:
             return self.robot.map_of(row)
         if self.mapper not in self.mapped:

@@ -50,7 +50,7 @@ class Trailer(NamedTuple):
 
     @classmethod
     def of(cls, robot: RobotModel, joints: Array, row: int, column: int) -> Trailer:
-        """The trailer of a robot with these joints `(N, j)` [rad], of which `column` is the hitch."""
+        """The trailer of a robot with these joints `(N, j)` [rad]; `column` is that of the hitch."""
         drive: Any = robot.drive
         numbers = (drive.trailer_length, drive.hitch_offset, joints[:, column : column + 1], drive.hitch_max)
         return cls(*(float(np.broadcast_to(number, (robot.rows, 1))[row, 0]) for number in numbers))

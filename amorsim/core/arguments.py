@@ -77,7 +77,7 @@ def _checked(function: Callable[..., Any], module: str) -> Callable[..., Any]:
 
 
 def _kind_of(parameter: inspect.Parameter, module: str) -> Any:
-    """What a parameter's annotation stands for; anything, where it has none or names what is not imported."""
+    """The type of a parameter's annotation; anything, where it has none or names something that is not imported."""
     if parameter.annotation is parameter.empty or parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD):
         return Any
     if not isinstance(parameter.annotation, str):
@@ -214,7 +214,7 @@ def _in_words(kind: Any) -> str:
 
 
 def path_of(given: object, name: str, expected: str = "a path, as a text or a pathlib.Path") -> Path:
-    """The path that was given; a `ParameterError` for what is none, as an empty text or one with a null character."""
+    """The path that was given; a `ParameterError` for another value, an empty text, or a null character in it."""
     text = os.fspath(given) if isinstance(given, os.PathLike) else given
     if not isinstance(text, str) or not text:
         raise ParameterError(name, f"expected {expected}, got {in_words(given)}")
@@ -230,7 +230,7 @@ def check_kind(given: object, kind: type, name: str, expected: str) -> None:
 
 
 def check_text(given: object, name: str, expected: str = "a text") -> None:
-    """Raise a `ParameterError` for what is no text."""
+    """Raise a `ParameterError` unless this is a text."""
     check_kind(given, str, name, expected)
 
 

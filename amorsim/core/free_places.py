@@ -15,7 +15,7 @@ from amorsim.core.room import inside, joined, room_about, roomiest
 __all__ = ["LARGER", "free_places", "freest_place", "roomy_places"]
 
 LARGER = "if the map is larger in fact, say so by its resolution, size, unit or scale"
-"""What to do where a drawing or picture was read too small, for messages."""
+"""The advice for a drawing or picture that was read too small, for messages."""
 
 
 def freest_place(world: Map) -> tuple[float, float]:

@@ -29,14 +29,14 @@ __all__ = [
 
 Check = Callable[[Any], bool]
 Key = tuple[Check, str]
-"""What a key's value must be, and the same in words."""
+"""The type of a key's value, and the same in words."""
 
 LARGEST = 1e300  # larger numbers are mistakes
 _WHOLE = 2**64  # whole numbers are below it in size
 
 
 def parse_json(text: str | bytes, table: Callable[[dict[str, Any]], Any] | None = None) -> Any:
-    """What a text of JSON holds; nan and the infinities are read, as Python writes them.
+    """The content of a text of JSON; nan and the infinities are read, as Python writes them.
 
     `table` makes something else of each table.
 

@@ -1,4 +1,4 @@
-"""What a map lost when it was written and read again, in numbers."""
+"""The loss of a map that was written and read again, in numbers."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Lost:
 
 
 def lost_cells(original: Map, copy: Map) -> Lost:
-    """What a copy of a map lost, in cells of the original; their frames may differ."""
+    """The loss of a copy of a map, in cells of the original; their frames may differ."""
     rows, columns = original.shape
     has_start = original.start is not None and (
         copy.start is None or math.dist(original.start, copy.start) > 1e-9 * (1.0 + math.hypot(*original.start))

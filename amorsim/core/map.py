@@ -57,7 +57,7 @@ class Map:
     start: Place | None = None
     """The start pose of a robot that the map gives, in the world, or None."""
     warnings: tuple[str, ...] = ()
-    """What its file contains that was ignored, one message each."""
+    """The parts of its file that were ignored, one message each."""
     name: str = ""
     source: Any = None
     """The file it was read from, with the loader and its options (`amorsim.scenario.maps.MapFile`), or None."""

@@ -1,4 +1,4 @@
-"""What a map may be: the largest number of cells, and the memory that they take."""
+"""Limits of maps: the largest number of cells, and the memory that they take."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ _LIMIT = Path("/sys/fs/cgroup/memory.max")  # of a container
 
 
 def memory_of_machine() -> int | None:
-    """Bytes of memory that this process can have at the most; None if that is not known (on Windows)."""
+    """The most bytes of memory that this process can have; None if that is not known (on Windows)."""
     try:
         whole = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     except (AttributeError, OSError, ValueError):

@@ -1,4 +1,4 @@
-"""What counts as a number among the values that files, forms and scripts give; and numbers for files."""
+"""Checks which values of files, forms and scripts count as numbers; and writes numbers for files."""
 
 from __future__ import annotations
 

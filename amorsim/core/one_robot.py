@@ -1,4 +1,4 @@
-"""What the code of one robot gets: a pose and readings, in place of the arrays over rows."""
+"""The input of one robot's code: a pose and readings, in place of the arrays over rows."""
 
 from __future__ import annotations
 

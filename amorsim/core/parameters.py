@@ -38,11 +38,11 @@ SMALLEST = 1e-12
 _LARGEST_WHOLE = 2**53  # for those without bounds of their own
 
 FRAMES = ("world", "body")
-"""What a parameter's `frame` may be."""
+"""The possible values of a parameter's `frame`."""
 COMPONENTS = ("planner", "controller", "estimator", "motion")
 """The kinds of component that a parameter may be."""
 REFERS = ("sensors", "estimators", "joints")
-"""What a parameter may refer to by name."""
+"""The kinds of things that a parameter may refer to by name."""
 
 _KEY = "amorsim"
 _REQUIRED: Any = attrs.NOTHING

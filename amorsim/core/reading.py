@@ -100,7 +100,7 @@ def no_such_file(path: str | os.PathLike[str]) -> str:
         ]
     except (OSError, ValueError):
         there = []
-    # An ending alone is no likeness.
+    # An ending alone does not make names alike.
     near = did_you_mean(wanted.name, sorted(each.name for each in there if did_you_mean(wanted.stem, [each.stem])))
     return f"there is no such file.{near}" if near else "there is no such file; check its name and its folder"
 

@@ -16,7 +16,7 @@ _PYTHONS = Path(sysconfig.get_path("stdlib"))
 _INSTALLED = "site-packages"
 # That amorsim calls.
 _LIBRARIES = ("distributed", "joblib", "llvmlite", "matplotlib", "numba", "numpy", "PIL", "pyarrow", "scipy", "shapely")
-_COMPILED = (".pyx", ".pxi")  # sources of which a library was compiled
+_COMPILED = (".pyx", ".pxi")  # sources of compiled libraries
 _LONGEST = 200  # characters of a value
 
 RAISED = (Exception, SystemExit)

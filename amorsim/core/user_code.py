@@ -93,7 +93,7 @@ class UserCode:
 
     @property
     def title(self) -> str:
-        """What messages call it: its kind and where it comes from, or the name of a script's own function."""
+        """Its name in messages: its kind and where it comes from, or the name of a script's own function."""
         return f"{self.kind} {self.source or getattr(self.function, '__name__', type(self.function).__name__)!r}"
 
     @property
@@ -101,7 +101,7 @@ class UserCode:
         return self.signature.partition("(")[0]
 
     def asker(self, state: Mapping[str, Objects]) -> Callable[[int], Callable[..., Any]]:
-        """What to call for a row: the method of its object, or the function with its options."""
+        """Returns the function to call for a row: the method of its object, or the function with its options."""
         objects = state.get("objects")
         if objects is not None:
             made, method = objects, self._method

@@ -1,4 +1,4 @@
-"""Shared by drives with motors: how a motor follows its rate and a steering its angle, and paths that are no arcs."""
+"""Shared by drives with motors: how a motor follows its rate and a steering its angle, and paths that are not arcs."""
 
 from __future__ import annotations
 

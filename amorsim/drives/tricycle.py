@@ -1,4 +1,4 @@
-"""Three wheels, of which the front one is steered and driven."""
+"""Three wheels; the front one is steered and driven."""
 
 from __future__ import annotations
 

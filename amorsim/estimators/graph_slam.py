@@ -72,7 +72,7 @@ class GraphSlam(MapArea, ScanTracker):
     nodes: int = parameter(400, ge=2, le=20_000, static=True, help="the most nodes of the graph")
 
     def sources(self) -> Sequence[tuple[str, str, str]]:
-        """What predicts the pose and what corrects it, and which loops it believes."""
+        """The sources that predict the pose and correct it, and the loops that it accepts."""
         trust = f"of {self.loop_gap} nodes and more, fit {self.loop_fit:g}, share {self.loop_share:g}"
         return [*super().sources(), ("loops", "correct all poses", trust)]
 

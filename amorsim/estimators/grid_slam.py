@@ -106,7 +106,7 @@ class GridSlam(MapArea, Estimator):
     )
 
     def sources(self) -> Sequence[tuple[str, str, str]]:
-        """What moves the particles and what weighs them."""
+        """The sources that move the particles and those that weigh them."""
         seen = f"{self.particles} particles, range {self.range_std:g} m"
         return [
             (f"sensor {self.encoder!r}", "moves the particles", f"{self.wheel_variance:g} m² of travel per m"),

@@ -122,7 +122,7 @@ class KalmanFilter(Estimator):
         """How what is expected depends on the state."""
 
     def sources(self) -> Sequence[tuple[str, str, str]]:
-        """What predicts and what corrects which part of the state, with the noise that is assumed."""
+        """The sources that predict and correct each part of the state, with the noise that is assumed."""
         by = "commands" if self.prediction == "command" else f"sensor {self.encoder!r}"
         found = [(by, "predicts x, y, heading", f"{self.wheel_variance:g} m² of travel per m")]
         for source in SOURCES:
@@ -229,7 +229,7 @@ class KalmanFilter(Estimator):
     def _counted(
         self, robot: RobotModel, readings: Mapping[str, Measurement], before: Array, after: Array, state: State
     ) -> tuple[Bools, Bools]:
-        """What may be corrected by `(N, 1)`: places and headings; and the rate of turn.
+        """Which rows `(N, 1)` measured places and headings may correct, and which a measured rate of turn.
 
         What is measured where the mean is not current is of another pose. A rate of turn must be of the step in which
         the wheels turned.

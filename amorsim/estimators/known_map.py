@@ -1,4 +1,4 @@
-"""What a localizing robot derives from the map that it knows: distances to walls, and where it may be."""
+"""Derived from the map that a localizing robot knows: distances to walls, and where it may be."""
 
 from __future__ import annotations
 

@@ -75,7 +75,7 @@ def area_origins(estimator: MapArea, poses: Array, area: Area) -> Array:
 
 
 def log_odds_evidence(hit: float = 0.97, miss: float = 0.4, certainty: float = 0.9999) -> Evidence:
-    """What hits and misses add to log-odds, from probabilities of cells."""
+    """The log-odds that hits and misses add, from probabilities of cells."""
     bound = _log_odds(certainty)
     return Evidence(*(np.float32(value) for value in (_log_odds(hit), _log_odds(miss), -bound, bound)))
 

@@ -153,7 +153,7 @@ class MonteCarlo(Estimator):
             )
 
     def sources(self) -> Sequence[tuple[str, str, str]]:
-        """What moves the particles and what weighs them."""
+        """The sources that move the particles and those that weigh them."""
         model = "its likelihood field" if self.model == "likelihood_field" else "the beam model"
         return [
             (f"sensor {self.encoder!r}", "moves the particles", f"{self.wheel_variance:g} m² of travel per m"),
@@ -283,7 +283,7 @@ class MonteCarlo(Estimator):
     def _sensing(
         self, robot: RobotModel, ranges: Array, rows: npt.NDArray[np.int64], is_lost: bool
     ) -> list[tuple[npt.NDArray[np.int64], particles.Sensing, particles.Free]]:
-        """What weighs the particles, with the beams that are used, and where particles are drawn at random.
+        """The arrays that weigh particles, with the beams that are used, and where particles are drawn at random.
 
         A group of rows for each map that robots know, and each likelihood field of it.
         """

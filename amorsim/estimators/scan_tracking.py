@@ -1,4 +1,4 @@
-"""What estimators that follow a robot by its scans have in common: their fields, their state, and a step."""
+"""Shared by estimators that follow a robot by its scans: their fields, their state, and a step."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ class ScanTracker(Estimator):
     )
 
     def sources(self) -> Sequence[tuple[str, str, str]]:
-        """What predicts the pose and what corrects it."""
+        """The sources that predict the pose and correct it."""
         return [
             (f"sensor {self.encoder!r}", "predicts x, y, heading", f"{self.wheel_variance:g} m² of travel per m"),
             (f"sensor {self.laser!r}", "corrects x, y, heading", f"matched with key scans, range {self.range_std:g} m"),

@@ -1,4 +1,4 @@
-"""What an estimator begins with: the pose that the robot knows, and how well."""
+"""The start of an estimator: the pose that the robot knows, and how well."""
 
 from __future__ import annotations
 

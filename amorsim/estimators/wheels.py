@@ -34,7 +34,7 @@ __all__ = [
 
 Array = npt.NDArray[np.float64]
 
-_FAR = 1e12  # [rad] further than any wheel turns; squares of lengths beyond are no numbers soon
+_FAR = 1e12  # [rad] further than any wheel turns; squares of lengths beyond soon overflow
 _LEAP = 1e4  # [rad] more than any wheel turns between two readings: over a thousand turns
 _NUDGE = 1e-5  # [rad] by which a joint is turned to find the body's motion; the error is of second order in it
 

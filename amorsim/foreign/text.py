@@ -16,7 +16,7 @@ NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 
 
 def is_binary(data: bytes) -> bool:
-    """Whether bytes are no text."""
+    """Whether bytes are not text."""
     return bool(_BINARY.search(data))
 
 
@@ -38,7 +38,7 @@ def decoded(data: bytes, path: Path, kind: str) -> str:
 
 
 def read_text(path: Path, most: int, kind: str) -> str:
-    """The text in a file of at most so many bytes; raises `ScenarioError` if it cannot be read or is no text."""
+    """The text in a file of at most so many bytes; raises `ScenarioError` if it cannot be read or is not text."""
     try:
         data = read_bytes(path, most)
     except (OSError, ValueError) as error:

@@ -45,7 +45,7 @@ Answer = Callable[[Mapping[str, Any]], tuple[str, Any]]
 
 
 def _loaded(path: Path, name: str, role: str) -> Answer:
-    """What answers each line."""
+    """Answers each line."""
     if role == "controller":
         found: Any = load_controller(path, name, {})
         command: Any = getattr(found(), "command", None) if inspect.isclass(found) else found
@@ -101,7 +101,7 @@ def _as_message(answer: Any) -> tuple[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """A number of NumPy as Python's; what is no number as text, which the simulation refuses by name."""
+    """A number of NumPy as Python's; anything else as text, which the simulation refuses by name."""
     if isinstance(value, np.generic):
         value = value.item()
     return value if value is None or isinstance(value, (bool, int, float)) else str(value)[:200]

@@ -22,7 +22,7 @@ def main() -> None:
     """Receive the submission, and answer until nothing more is sent."""
     requests = os.fdopen(os.dup(0), "rb")
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    # What a submission prints is no answer, and it has no keyboard.
+    # What a submission prints is not an answer, and it has no keyboard.
     nowhere = os.open(os.devnull, os.O_RDWR)
     os.dup2(nowhere, 0)
     os.dup2(nowhere, 1)

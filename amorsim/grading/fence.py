@@ -108,7 +108,7 @@ def _no_fence(problem: str) -> StudyError:
 
 
 def _said(command: Sequence[str]) -> str:
-    """What a command prints."""
+    """The output of a command."""
     ended = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, env={}, check=False)
     if ended.returncode:
         problem = (ended.stderr.strip().splitlines() or ["no message"])[-1]

@@ -108,7 +108,7 @@ def grade(
 
 @attrs.frozen(kw_only=True)
 class _Grading:
-    """What a grading needs, checked.
+    """The input of a grading, checked.
 
     `private` is what no submission may read but its own; `linked` are submissions that are links.
     """
@@ -166,7 +166,7 @@ def _prepare(
 
 
 def _no_submission(path: Path) -> str:
-    """Why a path is no submission; empty if it may be one."""
+    """Why a path is not a submission; empty if it may be one."""
     if path.is_dir():
         return f"{path}: it is a folder; a submission is a file of Python"
     # A link that leads nowhere is its author's mistake, and not the lecturer's.
@@ -235,7 +235,7 @@ def _needs(rubric: Rubric) -> tuple[str, ...]:
 
 
 def _case(grading: _Grading, case: Case, scenario: Scenario, handed_in: HandedIn) -> CaseGrade:
-    """What a submission does in a case, and earns; whatever goes wrong costs it this case, and nothing else."""
+    """A submission's result in a case; whatever goes wrong costs it this case, and nothing else."""
     try:
         return _run(grading, case, scenario, handed_in)
     except StudyError:  # of the fence

@@ -1,4 +1,4 @@
-"""What was handed in: the files of a submission, read without following a link."""
+"""The files of a submission, read without following a link."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ def _names(folder: Path) -> Iterator[str]:
 
 
 def _read(path: Path, most: int) -> bytes | None:
-    """What a regular file holds; None for a link, another kind of file, or one that cannot be read."""
+    """The content of a regular file; None for a link, another kind of file, or one that cannot be read."""
     try:
         # A pipe would wait for its writer.
         opened = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)

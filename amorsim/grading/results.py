@@ -1,4 +1,4 @@
-"""What a grading found, and how it is written: a table for the lecturer, and a page for each student."""
+"""The results of a grading, and how they are written: a table for the lecturer, and a page for each student."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Case:
 
 @attrs.frozen(kw_only=True)
 class CaseGrade:
-    """What a submission did in one case: values and points by criterion, or why it has none."""
+    """A submission's result in one case: values and points by criterion, or why it has none."""
 
     case: Case
     values: dict[str, float] = attrs.field(factory=dict)
@@ -56,7 +56,7 @@ class CaseGrade:
 
 @attrs.frozen(kw_only=True)
 class Grade:
-    """What a submission earned: the mean of its cases.
+    """A submission's points: the mean of its cases.
 
     `of` is what could be earned; `fence` is what it was fenced in by, or ``"none"``; `left_out` are files that it did
     not get, because they are links.

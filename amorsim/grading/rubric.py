@@ -1,4 +1,4 @@
-"""What a submission is graded by: scenario, runs, held-out worlds, limits, and criteria with points."""
+"""Rubrics, by which submissions are graded: scenario, runs, held-out worlds, limits, and criteria with points."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ MOST_SEED = 2**63 - 1
 
 @attrs.frozen
 class Seed:
-    """What all random draws of a run depend on: the seed and the replica of a simulation, 95 bits together."""
+    """Seed and replica of a simulation, on which all random draws of a run depend: 95 bits together."""
 
     seed: int
     replica: int = 0

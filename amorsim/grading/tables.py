@@ -18,7 +18,7 @@ T = TypeVar("T")
 
 
 def read_tables(path: str | os.PathLike[str], keys: tuple[str, ...], read: Callable[[Node, Path], T]) -> T:
-    """What `read` makes of a TOML file of these keys, given its top and its path.
+    """The result of `read` for a TOML file with these keys, given its top and its path.
 
     Raises
     ------

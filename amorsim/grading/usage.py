@@ -1,4 +1,4 @@
-"""What a submission takes of the machine: memory and processes, as the system counts them in /proc."""
+"""A submission's use of the machine: memory and processes, as the system counts them in /proc."""
 
 from __future__ import annotations
 

@@ -153,7 +153,7 @@ class Bitmap(MapLoader):
         return np.ascontiguousarray(classes[np.ix_(up, across)]), (remark,)
 
     def _classes(self, path: Path) -> tuple[NDArray[np.uint8], tuple[str, ...]]:
-        """What each pixel is, (rows, columns) from the bottom, and remarks; the picture itself is let go of."""
+        """The class of each pixel, (rows, columns) from the bottom, and remarks; the picture itself is let go of."""
         picture = open_picture(path)
         paper = "black" if self.transparent == "black" else "white"
         threshold, remarks = self.threshold, picture.remarks

@@ -36,7 +36,7 @@ class Drawing:
         self._left_out: dict[str, int] = {}
 
     def leave_out(self, what: str, count: int = 1) -> None:
-        """Count something that is no wall."""
+        """Count something that is not a wall."""
         self._left_out[what] = self._left_out.get(what, 0) + count
 
     @property

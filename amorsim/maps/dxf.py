@@ -65,7 +65,7 @@ class Dxf(MapLoader):
         Raises
         ------
         MapError
-            If the file cannot be read, is no DXF, has no line or too many, lacks a layer that is named, or ezdxf is
+            If the file cannot be read, is not DXF, has no line or too many, lacks a layer that is named, or ezdxf is
             not installed.
         """
         try:

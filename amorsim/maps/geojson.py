@@ -65,7 +65,7 @@ class GeoJson(MapLoader):
         Raises
         ------
         MapError
-            If the file cannot be read, is no GeoJSON, or holds neither a line nor a polygon; with the line, or the
+            If the file cannot be read, is not GeoJSON, or holds neither a line nor a polygon; with the line, or the
             place in the file.
         """
         try:
@@ -115,7 +115,7 @@ class GeoJson(MapLoader):
         return cls(resolution=world.resolution)
 
     def _projection(self, parts: _Parts, remarks: list[str]) -> Any:
-        """What turns places of the file (n, 2) into places of the world [m]."""
+        """A function that turns places of the file (n, 2) into places of the world [m]."""
         places = [*parts.lines, *(ring for rings in parts.polygons for ring in rings)]
         every = np.concatenate(places) if places else np.zeros((1, 2))
         low, high = every.min(axis=0), every.max(axis=0)

@@ -71,7 +71,7 @@ class Picture:
         return is_clear and self.format != "BMP" and self.image.mode not in _DEEP
 
     def classes(self, rule: Rule, paper: str | None = None) -> NDArray[np.uint8]:
-        """What a rule makes of each pixel, (rows, columns), the picture's bottom row first.
+        """The class of each pixel by a rule, (rows, columns), the picture's bottom row first.
 
         With `paper`, the name of a colour, the rule is given the colours as they look on it, all opaque.
         """
@@ -96,7 +96,7 @@ class Picture:
         return self._numbered(paper)[0]
 
     def classes_by(self, choose: Callable[[Colours], Rule], paper: str) -> NDArray[np.uint8]:
-        """What the rule that is chosen by all different colours makes of each pixel on paper; see `classes`."""
+        """The class of each pixel on paper, by the rule that is chosen from all different colours; see `classes`."""
         if self._table(paper) is not None:
             return self.classes(choose(self.colours(paper)), paper)
         colours, numbers = self._numbered(paper)
@@ -139,7 +139,7 @@ class Picture:
         return np.stack(parts, axis=-1).astype(np.uint16), out
 
     def _by_runs(self, band: Image.Image, rule: Rule, paper: str | None) -> NDArray[np.uint8]:
-        """What a rule makes of each pixel of a band; neighbours of one colour are classified once."""
+        """The class of each pixel of a band by a rule; neighbours of one colour are classified once."""
         pixels = _pixels(self._rgba(band))
         starts, lengths = _runs(pixels)
         return np.repeat(rule(self._on_paper(pixels[starts], paper)), lengths)
@@ -217,7 +217,7 @@ def open_picture(path: Path) -> Picture:
     Raises
     ------
     MapError
-        If the file cannot be read, is no picture or a damaged one, or has too many pixels; that is found out
+        If the file cannot be read, is not a picture or is damaged, or has too many pixels; that is found out
         before any is unpacked. The message does not name the file.
     """
     try:
@@ -226,7 +226,7 @@ def open_picture(path: Path) -> Picture:
     except (OSError, ValueError) as error:
         raise MapError(f"cannot be read: {reason(error)}") from error
     with file, _complaints(), warnings.catch_warnings():
-        # Up to twice the number of pixels that pillow warns of, which takes 720 MB at the most, it unpacks them.
+        # Up to twice the number of pixels that pillow warns of, which takes at most 720 MB, it unpacks them.
         warnings.filterwarnings("ignore", category=Image.DecompressionBombWarning)
         warnings.filterwarnings("ignore", category=UserWarning, module="PIL")
         image = Image.open(file, formats=FORMATS)
@@ -256,7 +256,7 @@ def _most_pixels() -> int:
 
 
 def _ignored(image: Image.Image, frames: int) -> Iterator[str]:
-    """What of an opened file is not looked at."""
+    """The parts of an opened file that are not looked at."""
     if frames > 1:
         yield f"only the first of its {frames} pictures is read"
     turn = 1

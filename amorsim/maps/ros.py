@@ -85,7 +85,7 @@ class Ros(MapLoader):
             raise MapError(f"{path}: {error}") from error
 
     def _read(self, about: MapYaml, path: Path) -> tuple[NDArray[np.uint8], tuple[str, ...]]:
-        """What each pixel is, (rows, columns) from the bottom, and remarks."""
+        """The class of each pixel, (rows, columns) from the bottom, and remarks."""
         image, remarks = _image_of(about, path)
         try:
             picture = open_picture(path.parent / image)
@@ -168,7 +168,7 @@ def _image_of(about: MapYaml, path: Path) -> tuple[Path, tuple[str, ...]]:
 
 
 def _classes(picture: Picture, about: MapYaml, unknown_is_occupied: bool) -> NDArray[np.uint8]:
-    """What each pixel is, (rows, columns) from the bottom."""
+    """The class of each pixel, (rows, columns) from the bottom."""
     as_unknown = np.uint8(UNKNOWN | (OCCUPIED if unknown_is_occupied else 0))
     low, high = about.free_thresh, about.occupied_thresh
     half = 0.5 * (low + high)

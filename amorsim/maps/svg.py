@@ -68,7 +68,7 @@ class Svg(MapLoader):
         Raises
         ------
         MapError
-            If the file cannot be read, is no SVG, has no line or too many, or svgelements is not installed.
+            If the file cannot be read, is not SVG, has no line or too many, or svgelements is not installed.
         """
         try:
             return self._load(path)
@@ -159,7 +159,7 @@ def _view_box(root: ET.Element) -> tuple[float, float, float, float] | None:
 
 
 def _viewport(root: ET.Element, box: tuple[float, float, float, float] | None) -> Viewport | None:
-    """What percentages are of: the box, or else the size on paper in CSS's pixels."""
+    """The size to which percentages refer: the box, or else the size on paper in CSS's pixels."""
     if box is not None:
         return Viewport(box[2] - box[0], box[3] - box[1])
     sides = [length(root.get(key)) for key in ("width", "height")]

@@ -57,7 +57,7 @@ def parse_svg(path: Path) -> tuple[ET.Element, Lines]:
     Raises
     ------
     MapError
-        If the file cannot be read, is no SVG, declares entities, or is too deep or too long.
+        If the file cannot be read, is not SVG, declares entities, or is too deep or too long.
     """
     try:
         data = read_bytes(path, _MOST_BYTES)
@@ -118,12 +118,12 @@ def length(text: str | None) -> tuple[float, str] | None:
 
 
 def prepare(root: ET.Element, lines: Lines, viewport: Viewport | None, drawing: Drawing) -> None:
-    """Take out what is no wall, and count it; give percentages their lengths, and inner drawings their places.
+    """Take out what is not a wall, and count it; give percentages their lengths, and inner drawings their places.
 
     Raises
     ------
     MapError
-        If a path or a row of points holds what is no number, a length or transform is none, a length is a share of
+        If a path or a row of points does not hold numbers, a length or transform is malformed, a length is a share of
         nothing, or uses unpack to too much.
     """
     _prune(root, drawing)

@@ -47,7 +47,7 @@ class Wld(MapLoader):
         Raises
         ------
         MapError
-            If the file cannot be read, is no text, holds a number that is not finite, or neither a wall nor a
+            If the file cannot be read, is not text, holds a number that is not finite, or neither a wall nor a
             size.
         """
         try:

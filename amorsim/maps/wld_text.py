@@ -1,4 +1,4 @@
-"""Line worlds as their authors wrote them: walls drawn, moved and deleted in the text, of which all else stays."""
+"""Line worlds as their authors wrote them: walls drawn, moved and deleted in the text, while all else stays."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def with_walls(
     Raises
     ------
     MapError
-        If the text is no line world, or would be none.
+        If the text is not a line world, or would not be one.
     """
     mark = "\N{BOM}" if text.startswith("\N{BOM}") else ""
     text = text.removeprefix(mark)

@@ -10,7 +10,7 @@ __all__ = ["AT", "at", "total"]
 Array = npt.NDArray[np.float64]
 
 AT = ("end", "mean", "rms", "max", "median")
-"""What a metric may take of a series over time."""
+"""The ways in which a metric may sum up a series over time."""
 
 
 def total(values: Array) -> Array:

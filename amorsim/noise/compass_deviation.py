@@ -42,7 +42,7 @@ class CompassDeviation(Noise):
     e: float = parameter(0.0, unit="rad", help="amplitude of the part with cos 2h: soft iron")
 
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
-        """The headings `(N, k)` [rad] plus their deviations; inf, which is no heading, stays."""
+        """The headings `(N, k)` [rad] plus their deviations; inf, which is not a heading, stays."""
         out = np.empty(values.shape)
         noise_elements.deviate(values, self.a, self.b, self.c, self.d, self.e, out)
         return out

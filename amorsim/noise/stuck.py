@@ -40,7 +40,7 @@ class Stuck(Noise):
     )
 
     def start(self, context: Context) -> State:
-        """What is frozen `(N, k)`, and what was reported last `(N, k)`."""
+        """Which values are frozen `(N, k)`, and those reported last `(N, k)`."""
         shape = (context.rows, context.size)
         return {"frozen": np.zeros(shape, dtype=bool), "last": np.zeros(shape)}
 

@@ -36,7 +36,7 @@ class DStarLite(GridPlanner):
         return _repaired(new_replan(cells.free, cells.width, start, goal), cells, start, goal, self.budget)
 
     def replanner(self, goal: Sequence[float], *, footprint: Shape | None = None) -> Replanner:
-        """What plans to one goal again and again; raises `PlanError` if that is not two or three finite numbers."""
+        """A planner to one goal again and again; raises `PlanError` if that is not two or three finite numbers."""
         return Replanner(self, place_of(goal, "goal"), footprint)
 
 
@@ -52,7 +52,7 @@ class Replanner:
         self._start = 0
 
     def plan(self, world: Map, start: Sequence[float]) -> Plan:
-        """What `DStarLite.plan` gives for this map and start, as quickly as the changes since the last call allow.
+        """The result of `DStarLite.plan` for this map and start, as quickly as the changes since the last call allow.
 
         `Plan.expanded` and `Plan.searched` are of this call alone. A cell may be expanded more than once.
 

@@ -1,4 +1,4 @@
-"""What all planners on cells have in common: their fields, their statuses, and how cells become a path."""
+"""Shared by all planners on cells: their fields, their statuses, and how cells become a path."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ Numbers = npt.NDArray[np.int32]
 
 
 class Found(NamedTuple):
-    """What a search on cells found."""
+    """The result of a search on cells."""
 
     status: str
     """``"found"``, ``"unreachable"`` or ``"budget"``."""
@@ -115,7 +115,7 @@ def run_octile(cells: Cells, start: int, goal: int, budget: int, weight: float) 
 
 
 def found_by(status: str, search: Search, start: int, goal: int, length: Callable[[Numbers], float]) -> Found:
-    """What a search found, with the cells of its path by their parents, and the length that `length` gives for them."""
+    """The result of a search, with the cells of its path by their parents, and their length by `length`."""
     searched = search.order[: search.used[1]]
     if status != "found":
         return Found(status, np.empty(0, np.int32), math.inf, searched)

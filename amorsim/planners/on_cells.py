@@ -1,4 +1,4 @@
-"""What planners on free cells share: the cells, whether start and goal are free, and why there is no path."""
+"""Shared by planners on free cells: the cells, whether start and goal are free, and why there is no path."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What planners for cars share: footprints that turn with the car, tested as the simulator tests them."""
+"""Shared by planners for cars: footprints that turn with the car, tested as the simulator tests them."""
 
 from __future__ import annotations
 

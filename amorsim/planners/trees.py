@@ -60,7 +60,7 @@ class Rrt(_TreePlanner):
 class RrtConnect(_TreePlanner):
     """A path by two random trees, from start and goal, which grow towards each other (RRT-Connect).
 
-    Usually much quicker than `Rrt`, and its paths are no shorter. After J. J. Kuffner and S. M. LaValle, "RRT-Connect:
+    Usually much quicker than `Rrt`, and its paths are not shorter. After J. J. Kuffner and S. M. LaValle, "RRT-Connect:
     an efficient approach to single-query path planning", ICRA 2000.
     """
 

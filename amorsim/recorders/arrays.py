@@ -1,4 +1,4 @@
-"""What estimators believe and controllers intend, as arrays: all that is too large for a text file."""
+"""Beliefs of estimators and intentions of controllers as arrays: all that is too large for a text file."""
 
 from __future__ import annotations
 

@@ -88,7 +88,7 @@ def draw_zone(canvas: Canvas, outline: Points, unit: float) -> None:
 
 
 def draw_patch(canvas: Canvas, patch: Patch, points: Points, scale: float, unit: float) -> None:
-    """A patch of the floor, its points on the canvas, of which a metre is `scale`; lines are wide enough to be seen."""
+    """A patch of the floor, its points on the canvas, where a metre is `scale`; lines are wide enough to be seen."""
     if patch.width > 0.0:
         canvas.line(points, patch.colour, max(patch.width * scale, 2.0 * unit))
     else:

@@ -17,7 +17,7 @@ Points = NDArray[np.float64]
 
 
 def points_of(value: Any) -> Points:
-    """A float copy, (T, 2); nothing at all is no points."""
+    """A float copy, (T, 2); no points for nothing at all."""
     points = np.array(value, np.float64)
     return points.reshape(0, 2) if points.size == 0 else points
 

@@ -47,7 +47,7 @@ class Thing:
 
 
 def draw_thing(canvas: Canvas, thing: Thing, place: Points, outline: Points, scale: float, unit: float) -> None:
-    """Draw a thing at `place` (2,), with `outline` (V, 2), in the canvas' pixels, of which a metre is `scale`."""
+    """Draw a thing at `place` (2,), with `outline` (V, 2), in the canvas' pixels; a metre is `scale` of them."""
     colour = thing.colour or _PLAIN[thing.kind]
     if thing.kind == "obstacle":
         canvas.polygon(outline, colour, opacity=0.75)

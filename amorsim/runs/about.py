@@ -118,7 +118,7 @@ def scenario_of(folder: str | os.PathLike[str], about: Mapping[str, Any]) -> Sce
     Raises
     ------
     RunError
-        If one of its files is no regular file.
+        If one of its files is not a regular file.
     ScenarioError
         If it cannot be read.
     """

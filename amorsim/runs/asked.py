@@ -1,4 +1,4 @@
-"""What a user may name as a scenario: a file, also another program's, a bundled name, or a map alone."""
+"""The ways in which a user may name a scenario: a file, also another program's, a bundled name, or a map alone."""
 
 from __future__ import annotations
 

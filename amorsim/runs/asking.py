@@ -12,7 +12,7 @@ __all__ = ["ask", "fresh"]
 
 
 def ask(recorder: Recorder, method: str, *given: Any) -> Any:
-    """What a recorder's method gives.
+    """The result of a recorder's method.
 
     Raises
     ------

@@ -21,7 +21,7 @@ from amorsim.runs.tables import LONGEST_LINE, check_file
 __all__ = ["TOLERANCE", "Difference", "first_difference"]
 
 TOLERANCE = 2e-6
-"""What numbers in files may differ by on another kind of processor: they are written to 1e-6."""
+"""The largest difference of numbers in files on another kind of processor: they are written to 1e-6."""
 
 
 @attrs.frozen(kw_only=True)
@@ -168,7 +168,7 @@ def _difference(old: Path, new: Path, name: str, dt: float) -> Difference | None
 
 
 def _opened(path: Path) -> TextIO:
-    # Bytes that are no text are a difference like any other, and shown as such.
+    # Bytes that are not text are a difference like any other, and shown as such.
     return path.open(encoding="utf-8", errors="backslashreplace", newline="\n")
 
 

@@ -59,7 +59,7 @@ def misfit(file: Path) -> str:
     Raises
     ------
     AmorsimError
-        If the file is no archive of kernels.
+        If the file is not an archive of kernels.
     """
     note, here = _read_note(file), _note(_folder())
     return next((words for key, words in _OTHER.items() if note.get(key) != here[key]), "")
@@ -71,7 +71,7 @@ def unpack_kernels(file: Path) -> None:
     Raises
     ------
     AmorsimError
-        If the file is no archive of kernels, is damaged, or its kernels cannot be written.
+        If the file is not an archive of kernels, is damaged, or its kernels cannot be written.
     """
     folder = _folder()
     try:
@@ -97,7 +97,7 @@ def _folder() -> Path:
 
 
 def _note(folder: Path) -> dict[str, str]:
-    """What must be equal where compiled kernels are used, by the keys of `_OTHER`."""
+    """Values that must be equal where compiled kernels are used, by the keys of `_OTHER`."""
     features = numba.config.CPU_FEATURES
     return {
         "kernels": folder.name,

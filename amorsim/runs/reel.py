@@ -1,4 +1,4 @@
-"""A film that is being made, GIF or MP4: how many frames it needs, of whom, and writing it."""
+"""A film that is being made, GIF or MP4: how many frames it needs, which robots it shows, and writing it."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def shown_bodies(
     robots: Sequence[Robot],
     obstacles: Sequence[Obstacle],
 ) -> list[Shown]:
-    """What robots and obstacles, by name, are drawn as, and after them the parts of robots, by the robot's name."""
+    """How robots and obstacles, by name, are drawn, and after them the parts of robots, by the robot's name."""
     colours = {body.name: body.colour for body in obstacles} | robot_colours(robots)
     names = {robot.name for robot in robots}
     return [

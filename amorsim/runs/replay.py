@@ -116,7 +116,7 @@ class Replay:
 
 
 def _value(line: Line) -> Any:
-    """What a change set, as `Simulation.set` takes it."""
+    """The value of a change, as `Simulation.set` takes it."""
     try:
         return revived(parse_json(line.text("value")))
     except (ValueError, AmorsimError) as error:

@@ -39,7 +39,7 @@ SENSOR_FILES_UP_TO = 32  # replicas; beyond, sensors are written only if asked f
 
 @attrs.frozen(kw_only=True)
 class RunSummary:
-    """What happened in a run, and where its files lie."""
+    """The outcome of a run, and where its files lie."""
 
     folder: Path
     steps: int

@@ -238,7 +238,7 @@ def _decoded(path: Path, number: int, data: bytes) -> str:
 
 
 def _header(path: Path, blocks: Iterator[tuple[int, list[str]]], name: str, with_replicas: bool = False) -> list[str]:
-    """The names of the columns, of which those that a file of this kind must have are there."""
+    """The names of the columns; those that a file of this kind must have are there."""
     _, lines = next(blocks, (1, [""]))
     header = lines[0].removeprefix("\N{BOM}").split(",")
     for column in header:

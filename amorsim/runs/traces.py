@@ -116,7 +116,7 @@ class Traces:
         return paths_of(self._simulation, self._simulation.replicas[0], points[..., :2], points[..., 2:])
 
     def things(self) -> list[Thing]:
-        """What stands about in the first replica now, as pictures want it."""
+        """The obstacles in the first replica now, as pictures want them."""
         return things_of(self._simulation, self._simulation.replicas[0])
 
 

@@ -37,7 +37,7 @@ def fingerprints_of_worlds(simulation: Simulation) -> dict[str, Any]:
 
 
 def different_world(about: Mapping[str, Any], simulation: Simulation) -> str:
-    """What is wrong, in words, if a replica has another world than in the run that ``run.json`` is of; else empty."""
+    """The fault, in words, if a replica has another world than in the run of this ``run.json``; else empty."""
     then = about.get(KEY, {})
     now = fingerprints_of_worlds(simulation).get(KEY, {}) if then else {}
     others = [replica for replica, digest in then.items() if now.get(replica) != digest]

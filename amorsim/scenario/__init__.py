@@ -1,1 +1,1 @@
-"""What is simulated: scenarios as Python objects, and their files."""
+"""Scenarios, as Python objects and as files."""

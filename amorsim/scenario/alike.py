@@ -38,7 +38,7 @@ def read_alike(node: Node, read: Callable[[Node], Body | None]) -> Body | None:
 
 
 def _key(node: Node) -> str | None:
-    """What tables have in common that mean the same but for name and pose; None if this one is to be read by itself."""
+    """A key shared by tables that differ in name and pose only; None if this one is to be read by itself."""
     book, own = node.book, node.value
     if not (node.is_table and book.shares_alike and node.path not in book.incomplete):
         return None

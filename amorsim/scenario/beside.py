@@ -1,4 +1,4 @@
-"""What a user's file imports from its own folder: ``from helpers import turn`` finds ``helpers.py`` there."""
+"""Imports of a user's file from its own folder: ``from helpers import turn`` finds ``helpers.py`` there."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def files_beside(path: Path, data: bytes | None = None) -> dict[str, Path]:
     """The files that a file of Python imports from its own folder, and those that these import, by name in the folder.
 
     Found in the text, wherever in it an import stands; of a package all its files. `data` is the file's content, if
-    that has been read. What cannot be read or is no Python imports nothing.
+    that has been read. What cannot be read or is not Python imports nothing.
     """
     folder = path.parent
     found: dict[str, Path] = {}

@@ -35,7 +35,7 @@ _FRAME = re.compile(r'File "(.*)", line (\d+) in ')
 
 
 def check_code(scenario: Scenario, *, time_limit: float = 10.0) -> tuple[Fault, ...]:
-    """What is wrong with the components that a scenario's file names as ``"FILE.py:NAME"``: controllers, estimators ...
+    """The faults of the components that a scenario's file names as ``"FILE.py:NAME"``: controllers, estimators ...
 
     Another process loads them: it runs their files, and makes an object of each class with its options. Nothing of them
     runs in this process. The other one is ended, with all processes that it has started.

@@ -57,7 +57,7 @@ class _Answers:
 
 
 def _check(answers: _Answers, component: UserCode) -> str:
-    """What is wrong with a component, or nothing."""
+    """The fault of a component; empty if there is none."""
     program: Program = component.function
     try:
         program.load(dict(component.options))

@@ -21,7 +21,7 @@ def not_for_sensors(noise: type[Noise]) -> str:
 
 
 def columns_problem(sensor: Sensor, size: int | None = None) -> str:
-    """What is wrong with a sensor's `columns`, for a reading of `size` values if that is known; empty if nothing."""
+    """The fault of a sensor's `columns`, for a reading of `size` values if that is known; empty if there is none."""
     try:
         columns: object = sensor.columns()
         items = list(columns.items()) if isinstance(columns, Mapping) else None
@@ -30,7 +30,7 @@ def columns_problem(sensor: Sensor, size: int | None = None) -> str:
     if items is None:
         return f"columns(): expected a dict of names and units, as in {{'range': 'm'}}, got {in_words(columns)}"
     for name, unit in items:
-        # Names stand in the header lines of tables and beside curves.
+        # Names stand in the header lines of tables and next to curves.
         if not _is_word(name) or not name:
             return f"columns(): expected names in one line, without commas, got {in_words(name)}"
         if not _is_word(unit):
@@ -46,7 +46,7 @@ def _is_word(text: object) -> bool:
 
 
 def column_problem(sensor: Sensor, noise: type[Noise], column: str) -> str:
-    """What is wrong with a noise element of this class being for this column of a sensor, or nothing."""
+    """The fault of a noise element of this class for this column of a sensor; empty if there is none."""
     if columns_problem(sensor):  # reported for the sensor itself, where its name is known
         return ""
     columns = sensor.columns()

@@ -137,7 +137,7 @@ def read_controller(node: Node, registry: Registry) -> Any:
 
 
 def read_recording(node: Node, registry: Registry) -> Recording | None:
-    """What a run writes down: the fields of `Recording`, and under ``also`` a list of tables, a recorder each."""
+    """The recording of a run: the fields of `Recording`, and under ``also`` a list of tables, a recorder each."""
     recording: Recording | None = read_component(Recording, node, beside=("also",))
     if not isinstance(node.value, dict) or "also" not in node:
         return recording

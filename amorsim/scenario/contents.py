@@ -51,7 +51,7 @@ def read_values(
     starts: bool,
     is_map_alone: bool,
 ) -> dict[str, Any]:
-    """What a `Scenario` is made with, as far as there is no fault in the book afterwards."""
+    """The arguments of a `Scenario`; usable if there is no fault in the book afterwards."""
     book.document = document
     if problem := _not_a_scenario(document):
         Node(document, (), book).fault(problem)
@@ -74,7 +74,7 @@ def _not_a_scenario(document: Mapping[str, Any]) -> str:
 
 
 def read_top(top: Node, registry: Registry, maps: Maps, starts: bool, is_map_alone: bool) -> dict[str, Any]:
-    """What a `Scenario` is made with, of the whole table, into which models were merged."""
+    """The arguments of a `Scenario`, from the whole table, into which models were merged."""
     check_format(top.child("format"))
     top.refuse_unknown(_KEYS)
     if "description" in top:

@@ -43,7 +43,7 @@ class Form(NamedTuple):
     """How code of a kind may be written without being a component: what it gets besides its options."""
 
     function: tuple[str, ...]
-    """What a function is called with before its options; empty if no function will do."""
+    """The arguments of a function before its options; empty if no function will do."""
     made_with: tuple[str, ...] = ()
     """Further keyword arguments with which each object of a class is made."""
 
@@ -87,7 +87,7 @@ def split_reference(use: str, folder: Path) -> tuple[Path, str]:
 def reference_of_class(cls: type) -> str:
     """``"FILE.py:NAME"`` of a class of components that a file can name so, empty for any other.
 
-    It stands at the top of a file that does not belong to a package; a script is no such file, for it would run again.
+    It stands at the top of a file that does not belong to a package; a script is not one, for it would run again.
     """
     return "" if "." in cls.__module__ or cls.__module__ == "__main__" else reference_to(cls)
 
@@ -141,7 +141,7 @@ def load_program(path: Path, name: str) -> Any:
 
 
 def no_such_name(path: Path, name: str, there: Iterable[str]) -> ControllerError:
-    """What to raise where a file has no function or class of a name, but others."""
+    """The error for a file without a function or class of a name; it lists the others."""
     own = [key for key in there if not key.startswith("_")]
     return ControllerError(f"{path}: {no_such('definition', name, own)}")
 
@@ -195,7 +195,7 @@ def _text(error: BaseException) -> str:
 
 
 def not_a_component(path: Path, name: str, kind: str) -> ControllerError:
-    """What to raise where the code of a kind that must be a component is none."""
+    """The error for code that is not a component, of a kind that must be one."""
     return ControllerError(
         f"{path}: {name}: expected a subclass of am.{kind.capitalize()}, a {kind} in a file has no simpler form"
     )

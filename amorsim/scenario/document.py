@@ -316,7 +316,7 @@ class Document:
         return attrs.evolve(looked.scenario, resolved=resolved_table(looked.scenario, registry=self._registry))
 
     def faults(self) -> tuple[Fault, ...]:
-        """All that is wrong with the document: of lines that are no TOML, of keys, and of values; none if it is sound.
+        """All faults of the document: of lines that are not TOML, of keys, and of values; none if it is sound.
 
         Nothing of a user's runs: of components in files the text is checked. `check_code`
         finds what only shows when they run, and `Simulation` what depends on draws, such as random starts.
@@ -324,7 +324,7 @@ class Document:
         return self._look().faults
 
     def partial(self) -> Partial:
-        """What can be read of the document whatever faults it has, to show it; nothing of a user's runs."""
+        """The readable part of the document, whatever faults it has, to show it; no code of a user runs."""
         looked = self._look()
         if looked.scenario is not None:
             return whole_of(looked.values)

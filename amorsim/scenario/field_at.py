@@ -86,7 +86,7 @@ def component_at(values: Mapping[str, Any], path: Path_, registry: Registry, fol
 
 
 def _innermost(values: Mapping[str, Any], path: Path_, registry: Registry, folder: Path) -> _At | None:
-    """What `_at` finds, or the component within it that a field is, however deep."""
+    """The component that `_at` finds, or the one within it that a field is, however deep."""
     at = _at(values, path, registry, folder)
     while at is not None and len(at.rest) > 1 and isinstance(at.rest[0], str):
         field = file_fields(at.cls, at.unit, at.names).get(at.rest[0])

@@ -55,7 +55,7 @@ def file_fields(cls: type, sensor_unit: str = "", names: Iterable[str] | None = 
 
 
 def read_component(cls: type, node: Node, *, sensor_unit: str = "", beside: tuple[str, ...] = ()) -> Any:
-    """An instance of `cls` from a table, or None after faults; `beside` are keys that are no fields."""
+    """An instance of `cls` from a table, or None after faults; `beside` are keys that are not fields."""
     if not node.expect_table():
         return None
     fields = file_fields(cls, sensor_unit)
@@ -189,7 +189,7 @@ def _fits(kind: Any, value: Any) -> bool:
 
 
 def _is_oversized(value: Any) -> bool:
-    # The engine's whole numbers have 64 bits, and beyond 1e308 an int is no float either.
+    # The engine's whole numbers have 64 bits, and beyond 1e308 an int has no float either.
     if isinstance(value, dict):
         value = tuple(value.values())
     if isinstance(value, (tuple, list)):

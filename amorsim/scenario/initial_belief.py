@@ -1,4 +1,4 @@
-"""What a robot knows of its pose at the start."""
+"""A robot's belief of its pose at the start."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _ROUNDING = 1e-12  # of the largest eigenvalue
 
 @attrs.frozen(kw_only=True)
 class InitialBelief:
-    """What a robot knows of its pose at the start: all of it, all but for a Gaussian error, or nothing.
+    """A robot's belief of its pose at the start: exact, with a Gaussian error, or none.
 
     A robot with a Gaussian belief starts from a pose that is wrong by a draw from that Gaussian, and its estimators get
     the covariance. A robot that knows nothing needs an estimator that finds it on a map (global localization).

@@ -1,4 +1,4 @@
-"""The changes of a document, each of which can be taken back and made again."""
+"""The changes of a document, which can be taken back one by one and made again."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Checks fields of a scenario's parts that are no numbers, when a part is made and not when it is first used."""
+"""Checks of a scenario's fields that are not numbers, when a part is made and not when it is first used."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ __all__ = ["lost_in_words", "needed_options"]
 
 
 def lost_in_words(lost: Lost) -> str:
-    """What was lost, as read back: ``"read back, the cells are the same"``."""
+    """The loss, found by reading back: ``"read back, the cells are the same"``."""
     unchanged = "no cell differs" if lost.farthest else "the cells are the same"
     parts = [f"{lost.cells} of {lost.of} cells differ" if lost.cells else unchanged]
     if lost.farthest is None:

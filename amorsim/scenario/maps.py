@@ -116,7 +116,7 @@ def companions_of(file: MapFile) -> list[Path]:
     Raises
     ------
     MapError
-        If the loader cannot name them, or one of them is no file.
+        If the loader cannot name them, or one of them is not a file.
     """
     loader = type(file.loader).__name__
     try:

@@ -1,4 +1,4 @@
-"""What a document means: its tables read and checked, and the faults in them."""
+"""Interprets a document: its tables are read and checked, and their faults listed."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ __all__ = ["Meaning", "read_meaning"]
 
 
 class Meaning(NamedTuple):
-    """What came of reading a document."""
+    """The result of reading a document."""
 
     book: Book
     maps: Maps

@@ -11,11 +11,11 @@ from amorsim.core.reading import is_folder
 __all__ = ["SCENARIO_PATH", "mistaken"]
 
 SCENARIO_PATH = "the path of a scenario's file, or the name of a bundled one, such as 'demo'"
-"""What is expected where a scenario is named."""
+"""The words for what names a scenario."""
 
 
 def mistaken(path: Path, problem: str, bundled: Sequence[str]) -> str:
-    """The problem with a path that is no scenario's file, with the scenarios that may be meant.
+    """The problem with a path that is not a scenario's file, with the scenarios that may be meant.
 
     Of a folder these are its files, of a name without an ending those that are bundled.
     """

@@ -59,7 +59,7 @@ def save_robot(
 ) -> Path:
     """Write a robot as a model into a file: what differs from the model that it builds on, and nothing else.
 
-    Its name, where it starts and what it knows of the world are no part of a model.
+    Its name, where it starts and what it knows of the world are not part of a model.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ def _named(table: dict[str, Any], files: Iterable[tuple[dict[str, Any], str]], t
 
 
 def _difference(own: dict[str, Any], parent: dict[str, Any], path: tuple[str, ...]) -> dict[str, Any]:
-    """What a file has to set in addition to its parent for the same as `own` to hold."""
+    """The table that, on top of the parent's, means the same as `own`."""
     differs: dict[str, Any] = {}
     for key, value in own.items():
         at, old = (*path, key), parent.get(key, MISSING)
@@ -169,7 +169,7 @@ def _difference(own: dict[str, Any], parent: dict[str, Any], path: tuple[str, ..
 
 
 def _nothing(path: tuple[str, ...], value: Any) -> Any:
-    """What takes away a value of the parent."""
+    """The entry that removes a value of the parent."""
     if path[0] in ("sensors", "estimators") and len(path) == 2:
         return False
     if path[0] in ("controller", "errors"):

@@ -46,7 +46,7 @@ MODEL_KEYS = (
     "errors",
     *LOOKS,
 )
-ERROR_KEYS = {"scale", "add", "value", "per", "normal", "uniform"}  # keys of an error, no path of which ends so
+ERROR_KEYS = {"scale", "add", "value", "per", "normal", "uniform"}  # keys of an error; no path ends with one
 # What a robot has several of by name, and can be rid of with ``NAME = false``.
 _NAMED = ("sensors", "estimators")
 

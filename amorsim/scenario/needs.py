@@ -1,4 +1,4 @@
-"""What bodies need at the least, of memory and of room; asked before they are made by the million."""
+"""Lower bounds on the memory and space that bodies need, checked before they are created."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _WAITING = 32  # [bytes]: a value of a sample under way, true and measured, and 
 
 
 def samples_under_way(longest: npt.NDArray[np.float64], dt: float) -> int:
-    """How many samples of a sensor are under way at once, at the most, where none takes longer than `(N, 1)` [s]."""
+    """The most samples of a sensor that are in transit at once, where none takes longer than `(N, 1)` [s]."""
     return int(np.ceil(longest / dt - _LATE).max())
 
 
@@ -57,7 +57,7 @@ def least_bytes(body: Robot | Obstacle, dt: float | None = None) -> int:
 
 
 def most_room(world: Map, start: RandomStart, reach: float) -> float:
-    """The area [m^2] that the footprints of bodies, no larger than `reach`, can cover together at the most."""
+    """The largest area [m^2] that the footprints of bodies, no larger than `reach`, can cover together."""
     width, height = world.size
     room = width * height
     if start.box is None:

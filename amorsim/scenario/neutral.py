@@ -34,7 +34,7 @@ def is_error(said: Any) -> bool:
 
 
 def meaning_of(said: Any) -> tuple[Any, ...]:
-    """What an error means: scale, sum, value and which draws; no error and a neutral one mean the same."""
+    """The meaning of an error: scale, sum, value and which draws; no error and a neutral one mean the same."""
     if said is MISSING:
         said = {}
     if not isinstance(said, dict) or set(said) & _DRAWS:

@@ -28,7 +28,7 @@ def reordered(values: dict[str, Any], path: Path_, number: int, place: int) -> d
 
 
 def exchanged(lines: Sequence[str], own: Run, other: Run, newline: str) -> tuple[int, int, list[str]]:
-    """What to replace, and by which lines, so that a run of lines stands where another one is.
+    """The replacements of lines that put a run of lines where another one is.
 
     Runs of several lines, tables with a header, are kept apart by a blank line; single ones, pairs, are not.
     """

@@ -1,4 +1,4 @@
-"""What can be read of a scenario that has faults, so that it can be shown."""
+"""The readable part of a scenario that has faults, so that it can be shown."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _NEEDED = ("shape", "drive", "pose", "start", "count")
 
 @attrs.frozen(kw_only=True)
 class Outline:
-    """The outline of a robot or an obstacle of which more cannot be read; it stands at `pose`."""
+    """The outline of a robot or an obstacle that cannot be read further; it stands at `pose`."""
 
     name: str
     shape: Shape
@@ -37,7 +37,7 @@ class Outline:
 
 @attrs.frozen(kw_only=True)
 class Partial:
-    """What can be read of a scenario, as `Scenario` has it; what is at fault is missing, or has its default.
+    """The readable part of a scenario, as `Scenario` has it; faulty parts are missing, or have their defaults.
 
     A robot is there without the sensors, estimators, controller and errors that are at fault. Of a body whose drive or
     other needed part cannot be read, there is an `Outline`, if its shape and pose can. `map` is None where none can be
@@ -62,11 +62,11 @@ class Partial:
 def read_partial(
     tables: dict[str, Any], book: Book, registry: Registry, maps: Maps, faults: Iterable[Fault]
 ) -> Partial:
-    """What can be read of tables that models were merged into; `book` knows where they came from.
+    """The readable part of tables that models were merged into; `book` has their origins.
 
     What is at fault is taken out of the tables.
     """
-    whole: set[Path_] = set()  # the bodies of which nothing but an outline is left
+    whole: set[Path_] = set()  # the bodies with nothing but an outline left
     is_left_out = True
     while is_left_out:  # a part less each time
         silent = book.again(tables)
@@ -80,7 +80,7 @@ def read_partial(
 
 
 def whole_of(values: dict[str, Any]) -> Partial:
-    """What was read of a scenario without faults, as `read_top` gave it."""
+    """The partial scenario of one without faults, from the result of `read_top`."""
     return _partial(values, (), ())
 
 

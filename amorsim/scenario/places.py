@@ -19,7 +19,7 @@ def first_place(motion: Motion) -> tuple[float, float, float] | None:
     Raises
     ------
     ComponentError
-        If the motion raises, or what it returns is no place.
+        If the motion raises, or returns something else than places.
     """
     try:
         place: Any = motion.default_start()
@@ -39,7 +39,7 @@ def goals_of(component: Controller | Motion) -> list[tuple[str, float, float]]:
     Raises
     ------
     ComponentError
-        If the component raises, or what it returns are no places.
+        If the component raises, or returns something else than places.
     """
     try:
         goals: list[Any] = list(component.goal_points())

@@ -28,7 +28,7 @@ _Definition = ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef
 
 @attrs.frozen
 class Program:
-    """A function or class in a user's file, of which nothing has run; a simulation loads it.
+    """A function or class in a user's file; nothing of the file has run. A simulation loads it.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ class Program:
         return load_controller(self.path, self.name, options, self.kind)
 
     def fault(self, message: str) -> Fault:
-        """What is wrong with it, at the place that names it."""
+        """A fault of it with this message, at the place that names it."""
         place = self.place or Fault(file="", path="", message="")
         return attrs.evolve(place, message=message)
 

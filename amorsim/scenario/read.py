@@ -83,7 +83,7 @@ def _find(
 ) -> tuple[Path, Book, dict[str, Any]]:
     """The file that is meant by a path or by the name of a registered scenario, and its content, with settings.
 
-    The book has the faults of lines that are no TOML, and of the settings. Nothing else has been looked at.
+    The book has the faults of lines that are not TOML, and of the settings. Nothing else has been looked at.
 
     Raises
     ------

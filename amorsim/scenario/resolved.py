@@ -225,7 +225,7 @@ class _Writer:
         return again
 
     def model(self, robot: Robot, path: str = "", pose: Pose | None = None) -> dict[str, Any]:
-        """What a model may set of a robot."""
+        """The part of a robot that a model may set."""
         written: dict[str, Any] = {"shape": self._shape(robot.shape, path)}
         if robot.controller is not None:
             written["controller"] = self._component("controller", robot.controller, f"{path}.controller")

@@ -252,7 +252,7 @@ def read_zone(node: Node, number: int, registry: Registry) -> Zone | None:
 
 
 def _looks(node: Node, cls: type[Robot | Obstacle], more: tuple[str, ...] = ()) -> dict[str, Any]:
-    """What a body looks like, and more fields of its class."""
+    """The appearance of a body, and more fields of its class."""
     values = read_fields(node, file_fields(cls, names=(*more, *LOOKS)))
     try:  # here already, for a body with other faults is never made
         check_colour(values.get("colour"))

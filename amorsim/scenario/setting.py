@@ -193,7 +193,7 @@ def _keys(at: Path_) -> tuple[str, ...]:
 
 
 def _is_another(at: Path_, holder: dict[str, Any], value: Any) -> bool:
-    """Whether a value makes another component or another shape of its table, of which nothing else stays."""
+    """Whether a value makes another component or another shape of its table, so that nothing else stays."""
     if at[-1] == "use":
         return bool(holder.get("use", value) != value)
     return at[-2:-1] == ("shape",) and at[-1] in SHAPES and at[-1] not in holder

@@ -28,7 +28,7 @@ class Setting:
 
     @property
     def file(self) -> str:
-        """What faults name in the place of a file."""
+        """The name for faults in place of a file's."""
         return f"--set {self.text}"
 
     @property
@@ -44,7 +44,7 @@ def setting_texts(overrides: Iterable[str]) -> tuple[str, ...]:
     Raises
     ------
     ScenarioError
-        If they are no list of texts.
+        If they are not a list of texts.
     """
     try:
         return texts(overrides, "overrides", "settings")

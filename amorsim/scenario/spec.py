@@ -277,7 +277,7 @@ def _motion(given: Motion | Callable[..., Any] | None) -> Motion | None:
 
 @attrs.frozen(kw_only=True, eq=False)
 class Obstacle:
-    """A body that is no robot: it stands, or moves as its motion proposes.
+    """A body that is not a robot: it stands, or moves as its motion proposes.
 
     A motion is a component, or a function ``f(obstacle)`` that gives a velocity, or a class with such a `velocity`
     (`amorsim.motions.user.UserMotion`). Without a `pose` the obstacle starts where its motion begins, such as at the
@@ -343,7 +343,7 @@ def _recorders(given: Iterable[Recorder]) -> tuple[Recorder, ...]:
 
 @attrs.frozen(kw_only=True)
 class Recording:
-    """What a run records; `also` are recorders in addition to that of the text files, which every run has."""
+    """The recording of a run; `also` are recorders in addition to that of the text files, which every run has."""
 
     sensors: str = parameter("auto", choices=("auto", "all", "none"), help="sensor files; auto: up to 32 replicas only")
     picture: bool = parameter(True, help="whether a picture of the map and the paths is drawn at the end")

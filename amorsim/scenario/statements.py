@@ -63,7 +63,7 @@ class Member(NamedTuple):
 
 
 def cut(text: str) -> list[Statement]:
-    """The statements of a file, in order; what is no TOML is cut line by line."""
+    """The statements of a file, in order; what is not TOML is cut line by line."""
     found = []
     at, length = 0, len(text)
     while at < length:

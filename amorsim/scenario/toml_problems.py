@@ -1,4 +1,4 @@
-"""What is wrong with a line that is no TOML, and what to write in its place."""
+"""The faults of lines that are not TOML, and what to write in their place."""
 
 from __future__ import annotations
 
@@ -51,5 +51,5 @@ def toml_problem(error: Exception, statement: str) -> str:
 
 
 def plain_problem() -> str:
-    """What is wrong with a line of which no more is known."""
+    """The message for a line whose fault is not known further."""
     return f"not valid TOML; {_ANYTHING}"

@@ -84,9 +84,9 @@ def program_in(node: Node) -> str:
 
 
 def read_program_in(node: Node, kind: str, beside: tuple[str, ...] = ()) -> Any:
-    """The component in a file that a table names, of which nothing runs; None after faults.
+    """The component in a file that a table names, without running the file; None after faults.
 
-    Keys `beside` are no options.
+    Keys `beside` are not options.
     """
     skip = ("use", *beside)
     options = {key: value for key, value in node.value.items() if key not in skip}

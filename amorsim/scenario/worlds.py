@@ -45,7 +45,7 @@ class Maps:
     def read(self, node: Node, beside: tuple[str, ...] = (), like: Map | None = None) -> Map | None:
         """The map in a table ``{ map = "file", options ... }``; None after faults, or where none is read.
 
-        `beside` are keys of the table that are no options. If the file is that of the map `like`, and there
+        `beside` are keys of the table that are not options. If the file is that of the map `like`, and there
         are no options, it is read as that one was. The map may also be a table, of a world to generate.
         """
         if not node.expect_table():
@@ -92,7 +92,7 @@ class Maps:
         return self._read[source]
 
     def read_knowledge(self, node: Node, world: Map | None, marks: Sequence[Landmark]) -> Knowledge | None:
-        """What a robot knows: ``{ map = "file", options ..., landmarks = [[x, y], ...] }``.
+        """A robot's knowledge: ``{ map = "file", options ..., landmarks = [[x, y], ...] }``.
 
         A landmark may be ``{ id, x, y }`` too; ``"world"`` for all of them is what there really is, `marks`.
         """
@@ -102,7 +102,7 @@ class Maps:
         known = None
         keys = ("map", "use", "landmarks")
         if not {"map", "use"} & set(node.value) and any(did_you_mean(key, keys) for key in set(node.value) - set(keys)):
-            node.refuse_unknown(keys)  # a slip of the pen is no option of a map that is missing
+            node.refuse_unknown(keys)  # a misspelt key is not an option of a map that is missing
             return None
         if set(node.value) - {"landmarks"}:
             known = self.read(node, ("landmarks",), like=world)

@@ -30,7 +30,7 @@ class BadLine:
 
 
 _GOOD = ("pair", "table", "array")
-_ALL_BAD = 3  # lines, from which on a file without a good one is no TOML at all
+_ALL_BAD = 3  # lines, from which on a file without a good one is not TOML at all
 
 
 class Written:
@@ -88,7 +88,7 @@ def read_written(text: str) -> Written:
             statements[index] = Statement(old.text, "bad")
             if old.kind != "pair":
                 _leave_out_body(statements, index, old.text)
-    else:  # this is no file of TOML
+    else:  # this is not a file of TOML
         statements = [Statement(each.text, "bad") for each in statements]
     lines = line_numbers(statements)
     reported = sorted(bad)[:_MOST]

@@ -168,7 +168,7 @@ class _Blobs:
 
 
 def _blobs(colour: Ints, ranges: Array, first: Array, last: Array) -> _Blobs:
-    """Runs of one colour in the columns `(N, W)` of images; -1 is no colour."""
+    """Runs of one colour in the columns `(N, W)` of images; -1 is for no colour."""
     begins = colour >= 0
     begins[:, 1:] &= colour[:, 1:] != colour[:, :-1]
     ends = colour >= 0

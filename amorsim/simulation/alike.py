@@ -22,7 +22,7 @@ __all__ = ["channels_of", "group_key", "poses_of", "reading_size", "robot_model"
 
 
 def group_key(robot: Robot) -> Hashable:
-    """What robots of one group have in common."""
+    """The properties that robots of one group share."""
     return (
         signature(robot.drive),
         robot.shape,
@@ -42,7 +42,7 @@ def group_key(robot: Robot) -> Hashable:
 
 
 def _key_of(known: Map | None) -> Hashable:
-    """What distinguishes the known maps of groups: their content, or the one origin of maps that replicas draw."""
+    """A key of the maps that groups know: their content, or the one origin of maps that replicas draw."""
     origin = None if known is None else origin_of(known)
     return known if origin is None else origin
 

@@ -1,4 +1,4 @@
-"""What a simulation is asked for, checked: its scenario's size, replicas and seed."""
+"""Checks of a simulation's arguments: its scenario's size, replicas and seed."""
 
 from __future__ import annotations
 

@@ -167,7 +167,7 @@ class Driver:
         return command
 
     def _checked(self, answer: Any, rows: int) -> Array:
-        """What the controller's `command` returned for a number of rows, as a command `(N, c)`."""
+        """The answer of the controller's `command` for a number of rows, as a command `(N, c)`."""
         expected = rows, len(self._channels)
         if not isinstance(answer, np.ndarray) or answer.dtype.kind not in "biuf":
             found = f"{answer.dtype} array" if isinstance(answer, np.ndarray) else type(answer).__name__
@@ -221,7 +221,7 @@ class Driver:
         Raises
         ------
         ComponentError
-            If it raises, or returns what are no beliefs.
+            If it raises, or returns something else than beliefs.
         """
         controller = self.controller
         assert controller is not None

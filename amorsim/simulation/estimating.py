@@ -178,7 +178,7 @@ class Estimators:
         return any(type(estimator).failed is not Estimator.failed for estimator in self._estimators.values())
 
     def failures(self) -> Iterator[tuple[str, int, bool]]:
-        """What failed in the last update: the estimator's name, the row, and whether that ends its controller."""
+        """The failures in the last update: the estimator's name, the row, and whether that ends its controller."""
         for name, estimator in self._estimators.items():
             if type(estimator).failed is Estimator.failed:
                 continue
@@ -198,7 +198,7 @@ class Estimators:
                     yield name, row, ends
 
     def believers(self) -> dict[str, Believer]:
-        """What gives the beliefs of each estimator that has any, by name."""
+        """Functions that return the beliefs of each estimator that has any, by name."""
         return {name: functools.partial(self.beliefs_of, name) for name in self._believers}
 
     def beliefs_of(self, name: str, wanted: Iterable[str] | None = None) -> Beliefs:
@@ -207,7 +207,7 @@ class Estimators:
         Raises
         ------
         ComponentError
-            If it raises, or returns what are no beliefs.
+            If it raises, or returns something else than beliefs.
         """
         estimator = self._estimators[name]
         try:

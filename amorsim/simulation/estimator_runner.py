@@ -127,7 +127,7 @@ class EstimatorRunner:
         self._taken: dict[str, tuple[Array, int, float]] = {}  # by sensor: values, and when they were measured
 
     def __getstate__(self) -> dict[str, Any]:
-        """All but the calls, which a copy prepares anew."""
+        """All but the calls, which a copy prepares again."""
         return {**vars(self), "_calls": []}
 
     def update(
@@ -177,7 +177,7 @@ class EstimatorRunner:
 
     @property
     def beliefs(self) -> Beliefs:
-        """What else the estimator believes after the last update: arrays by name, without an axis of rows."""
+        """The estimator's further beliefs after the last update: arrays by name, without an axis of rows."""
         return {name: array[0] for name, array in self._estimators.beliefs_of(self._name).items()}
 
     def _go_to(self, time: float) -> float:

@@ -1,4 +1,4 @@
-"""What robots know of their poses when an episode begins."""
+"""The robots' beliefs of their poses when an episode begins."""
 
 from __future__ import annotations
 

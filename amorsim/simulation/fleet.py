@@ -113,7 +113,7 @@ class Fleet:
         self._check_starts()
 
     def __getstate__(self) -> dict[str, Any]:
-        """All but the calls, which a copy prepares anew."""
+        """All but the calls, which a copy prepares again."""
         return {**vars(self), "calls": ()}
 
     def release(self) -> None:
@@ -190,7 +190,7 @@ class Fleet:
         return np.concatenate((own, self.world.parts_of(own)[0]))
 
     def overlap(self, group: Group, row: int, poses: Array) -> str:
-        """What a robot and its parts would overlap with all bodies at `poses` `(T, 3)`, in words; empty if nothing."""
+        """The thing that a robot and its parts would overlap with all bodies at `poses` `(T, 3)`; empty if nothing."""
         world = self.world
         own = self.robot_bodies(group, row)
         if (world.wall_gaps(own, poses[own], np.zeros(len(own)))[0] < 0.0).any():

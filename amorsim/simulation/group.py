@@ -230,7 +230,7 @@ class Group:
     _BOUND = ("_noise", "_place_mounts", "_senses", "_control", "_estimates", "_advance", "_results", "_motion")
 
     def __getstate__(self) -> dict[str, Any]:
-        """All but what is bound, which a copy prepares anew."""
+        """All but what is bound, which a copy prepares again."""
         return {name: value for name, value in vars(self).items() if name not in self._BOUND} | {"is_bound": False}
 
     def unbind(self) -> None:

@@ -26,7 +26,7 @@ _OF_ESTIMATE = ("pose", "covariance")
 
 
 class Simulated(Protocol):
-    """What is needed of a simulation; quantities such as ``true_pose`` are its attributes."""
+    """The interface needed of a simulation; quantities such as ``true_pose`` are its attributes."""
 
     replicas: tuple[int, ...]
 
@@ -95,7 +95,7 @@ class Keeper:
 
     @property
     def arrays(self) -> dict[str, Array]:
-        """What was kept so far, by name: arrays whose first axis is the step."""
+        """The values kept so far, by name: arrays whose first axis is the step."""
         return {name: array[: self._count] for name, array in self._arrays.items()}
 
     def _look(self) -> dict[str, Array]:
@@ -136,7 +136,7 @@ def _whole(simulation: Simulated, frames: Sequence[Frame], pick: Pick) -> Array:
 
 
 def _pick(simulation: Simulated, name: str) -> Pick:
-    """What gives the quantity of that name from a frame; None where the frame's robots lack it."""
+    """A function that returns the quantity of that name from a frame; None where the frame's robots lack it."""
     kind, _, rest = name.partition(".")
     whose, _, what = rest.partition(".")
     if name in _OF_FRAME:

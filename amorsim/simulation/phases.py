@@ -1,4 +1,4 @@
-"""What happens to all rows in each phase of a step, and the schedule of the calls that do it."""
+"""The phases of a step, for all rows, and the schedule of the calls that make them."""
 
 from __future__ import annotations
 

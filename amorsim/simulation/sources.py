@@ -1,4 +1,4 @@
-"""What a scenario's estimators use, as a table for users."""
+"""The sources of a scenario's estimators, as a table for users."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ Array = npt.NDArray[np.float64]
 
 
 class Things(Protocol):
-    """What of a scenario stands somewhere."""
+    """The parts of a scenario that have a place in its world."""
 
     @property
     def robots(self) -> Sequence[Robot]: ...

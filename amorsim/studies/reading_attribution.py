@@ -21,7 +21,7 @@ __all__ = ["ReadingAttribution", "ReadingCase", "attribute_readings"]
 Array = npt.NDArray[np.float64]
 
 LARGEST = 40_000_000  # numbers of the readings that are held at once, 8 bytes each
-STEPS_MOST = 2000  # of which readings are looked at
+STEPS_MOST = 2000  # whose readings are looked at
 
 
 @attrs.frozen(kw_only=True, eq=False)

@@ -46,7 +46,7 @@ Array = npt.NDArray[np.float64]
 
 @attrs.frozen(kw_only=True)
 class Outcome:
-    """What came of a chunk: the values of each metric and a digest, for each replica; or an error.
+    """The outcome of a chunk: the values of each metric and a digest, for each replica; or an error.
 
     `seed` is the one that was simulated; below 0 if that is not known.
     """
@@ -264,7 +264,7 @@ def episode_at(
     rows: npt.NDArray[np.int64],
     end: int,
 ) -> Episode:
-    """What a metric sees of a robot in some replicas, from the start up to a step at which they ended.
+    """A metric's view of a robot in some replicas, from the start up to a step at which they ended.
 
     Parameters
     ----------

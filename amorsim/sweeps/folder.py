@@ -184,7 +184,7 @@ class StudyFolder:
             self.marker(outcome.index).unlink()
 
     def outcomes(self) -> Iterator[Outcome]:
-        """What came of the chunks that are done, in their order."""
+        """The outcomes of the chunks that are done, in their order."""
         for index in range(self._plan.chunks):
             if self._file(index).exists():
                 yield self._read(index)

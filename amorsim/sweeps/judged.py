@@ -23,7 +23,7 @@ def _estimator_field(kind: type[Metric]) -> str:
 
 
 def about_metric(measured: Measured, use: str, robots: Sequence[Robot]) -> dict[str, Any]:
-    """What a study's folder records of a metric.
+    """The record of a metric in a study's folder.
 
     ``estimator`` is the one that it judges; empty if it judges none. ``measure`` is the same for metrics that differ in
     the estimator alone.

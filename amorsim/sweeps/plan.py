@@ -1,4 +1,4 @@
-"""What a study is to do: its axes, its points, and what of it is computed at once."""
+"""The plan of a study: its axes, its points, and the chunks that are computed at once."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Label = float | int | str | bool
 
 @attrs.frozen(kw_only=True)
 class Axis:
-    """What differs from point to point: a name, and for each value its label, its settings, and the files it names."""
+    """An axis along which points differ: a name, and for each value its label, its settings, and the files it names."""
 
     name: str
     labels: tuple[Label, ...]
@@ -47,7 +47,7 @@ class Measured:
 
 @attrs.frozen(kw_only=True)
 class Chunk:
-    """What is computed at once: all replicas of a point for one seed."""
+    """A chunk, computed at once: all replicas of a point for one seed."""
 
     index: int
     point: int

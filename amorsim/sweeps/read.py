@@ -290,7 +290,7 @@ def _labels(values: list[Any]) -> list[Any]:
 
 
 def _identity(label: Any) -> str:
-    """What two labels have in common if they are the same value: 1 and 1.0 are, 1 and true are not."""
+    """A key that two labels share if they are the same value: 1 and 1.0 are, 1 and true are not."""
     return repr(int(label) if isinstance(label, float) and label.is_integer() else label)
 
 

@@ -152,7 +152,7 @@ class Several:
         return tables if self.duration is None else tables | {"duration": self.duration}
 
     def _about(self) -> dict[str, Any]:
-        """What is simulated, with a fingerprint of every file."""
+        """The scenario that is simulated, with a fingerprint of every file."""
         inputs: dict[str, dict[str, str]] = {}
         for place, label in enumerate(self.labels):
             plan = read_plan(self._tables(place))
@@ -168,7 +168,7 @@ class Several:
 
 
 def _read(folder: Path) -> dict[str, Any]:
-    """What was begun in a folder; nothing if that cannot be read."""
+    """The study begun in a folder; nothing if that cannot be read."""
     try:
         return read_table(folder / ABOUT, StudyError)
     except (FileNotFoundError, StudyError):

@@ -111,7 +111,7 @@ def _parallel(plan: Plan, todo: Iterator[Work], jobs: int) -> Iterator[Outcome]:
 def check_cluster(cluster: Any) -> Any:
     """The library that speaks to a Dask cluster; raises `StudyError` without it, or if no cluster can be meant."""
     distributed = _extra("distributed", "dask[distributed]")
-    # A client of what is no address takes long to be deleted, and complains then: it is not made.
+    # A client for something else than an address takes long to be deleted, and complains then: it is not made.
     is_meant = _ADDRESS.fullmatch(cluster) if isinstance(cluster, str) else isinstance(cluster, distributed.Client)
     if not is_meant:
         raise StudyError(f"dask: expected the address of a scheduler, as tcp://host:8786, or a client, got {cluster!r}")

@@ -145,7 +145,7 @@ def _as_array(values: Sequence[Any], kind: str) -> npt.NDArray[Any]:
 
 
 def _kinds(axes: dict[str, list[Any]], metrics: Iterable[str]) -> dict[str, str]:
-    """What each column holds: whole numbers, numbers, flags or texts."""
+    """The type of each column: whole numbers, numbers, flags or texts."""
     found = {"point": "whole"}
     for name, labels in axes.items():
         kinds = {type(label) for label in labels}

@@ -113,7 +113,7 @@ class _Form(abc.ABC):
 
     @abc.abstractmethod
     def call(self) -> npt.NDArray[Any]:
-        """What the simple form returns."""
+        """The result of the simple form."""
 
     @abc.abstractmethod
     def bind(self) -> Callable[[], None]:

@@ -90,7 +90,7 @@ def check_component(
     ----------
     component
         A drive, sensor, noise element, estimator, controller, planner, motion, map loader, scenario loader, world
-        generator, recorder or metric; or its class, of which one is made with its defaults, and with some value where
+        generator, recorder or metric; or its class: one is made with its defaults, and with some value where
         it has none.
     drive
         Drive on which a sensor, estimator or controller is tried; a differential drive by default.

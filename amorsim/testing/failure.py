@@ -15,7 +15,7 @@ __all__ = ["CheckError", "Who", "array_in_words"]
 
 
 def array_in_words(found: object) -> str:
-    """What was found in place of an array of some type and shape: ``"float32 (7,)"``, or the class of what is none."""
+    """What was found in place of an array of some type and shape: ``"float32 (7,)"``, or the class of another thing."""
     return f"{found.dtype} {found.shape}" if isinstance(found, np.ndarray) else type(found).__name__
 
 

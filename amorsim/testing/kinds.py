@@ -219,7 +219,7 @@ class NoiseTrial(Trial[Noise]):
 def _beliefs_of(
     trial: EstimatorTrial | ControllerTrial, component: Estimator | Controller, session: Session, state: State
 ) -> Outputs:
-    """What a component believes besides, looked up twice: the state stays as it is, and so do names and shapes."""
+    """A component's further beliefs, looked up twice: the state stays as it is, and so do names and shapes."""
     who = trial.who
     before = {name: array.copy() for name, array in state.items()}
     with who.calling("beliefs"):

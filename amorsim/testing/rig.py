@@ -166,7 +166,7 @@ class Rig:
         self.joints, self.rates, self.poses, self.twists = (np.array(column) for column in zip(*track, strict=True))
 
     def _read(self) -> dict[str, Array]:
-        """What each sensor measures, `(steps + 1, 64, k)`: the ideal reading."""
+        """The ideal reading of each sensor, `(steps + 1, 64, k)`."""
         every = np.arange(ROWS)
         view, draws = self.view(every), self.draws(every)
         context = Context(rows=ROWS, dt=DT, robot=self._model({}, every), pose=self.starts)

@@ -1,4 +1,4 @@
-"""What all kinds of component go through: the same rows together, alone, twice, and from a copy of their state."""
+"""The trials of all kinds of component: the same rows together, alone, twice, and from a copy of their state."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ class Trial(abc.ABC, Generic[C]):
 
 @attrs.frozen
 class Record:
-    """What came of a run: outputs, and states after each step."""
+    """The result of a run: outputs, and states after each step."""
 
     outputs: list[Outputs]
     states: list[Outputs]

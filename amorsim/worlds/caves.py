@@ -14,7 +14,7 @@ from amorsim.worlds.passable import open_parts, places_for
 
 __all__ = ["Cave", "neighbours"]
 
-_LEAST = 0.1  # of the area; less is no cave but a hole
+_LEAST = 0.1  # of the area; less is not a cave but a hole
 _TRIES = 20
 _BORDER = 0.1  # [m]
 

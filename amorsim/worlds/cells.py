@@ -1,4 +1,4 @@
-"""What the built-in generators share: a sheet of cells, and a world that the robot can drive everywhere in."""
+"""Shared by the built-in generators: a sheet of cells, and a world that the robot can drive everywhere in."""
 
 from __future__ import annotations
 

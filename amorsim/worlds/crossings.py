@@ -10,7 +10,7 @@ from amorsim.worlds.numbers import Numbers
 
 __all__ = ["Crossing"]
 
-_SETBACK = 0.15  # of a block's side at the most, that a building stands back from the street
+_SETBACK = 0.15  # of a block's side, the most that a building stands back from the street
 
 
 @attrs.frozen(kw_only=True)

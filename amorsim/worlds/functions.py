@@ -20,7 +20,7 @@ __all__ = ["generated"]
 
 @checked
 def generated(cls: type[WorldGenerator], seed: int, per: str, options: Mapping[str, Any]) -> Map:
-    """The world of a generator's class with these fields, of which some may be distributions.
+    """The world of a generator's class with these fields; some may be distributions.
 
     Raises
     ------

@@ -30,7 +30,7 @@ def dark_pixels(path: Path) -> Cells:
     Raises
     ------
     MapError
-        If it cannot be read, is no picture, or is too large.
+        If it cannot be read, is not a picture, or is too large.
     """
     try:
         data = read_bytes(path, _MOST_BYTES)

@@ -78,7 +78,7 @@ def read_sensors(robot: Model, interval: float, notes: Notes, options: SensorOpt
 
 
 def _carried(model: Model, at: Spot, notes: Notes) -> Iterator[tuple[Model, Spot]]:
-    """The sensors in a model, and where they are on it; what is no sensor may carry some."""
+    """The sensors in a model, and where they are on it; a model that is not a sensor may carry some."""
     for each in model.inner:
         if each.kind in _LEFT_OUT:
             notes.remark(f"left out {each.kind}", f"a {each.kind} is left out: there is none here", each.place)
@@ -160,7 +160,7 @@ def _range_of(beam: _Beam) -> Table:
 
 
 def _noise_of(beam: _Beam, options: SensorOptions) -> Table:
-    """Stage's noise: a constant, a proportional and an angular part, of which the last two are uniform."""
+    """Stage's noise: a constant, a proportional and an angular part; the last two are uniform."""
     constant, proportional, angular = beam.noise
     chain: list[Table] = []
     if angular:

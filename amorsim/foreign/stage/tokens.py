@@ -82,7 +82,7 @@ def read_tokens(path: Path) -> Tokens:
     Raises
     ------
     ScenarioError
-        If one of the files cannot be read or is no text, a text is not closed, files include one another in a circle,
+        If one of the files cannot be read or is not text, a text is not closed, files include one another in a circle,
         or all of them together are too long.
     """
     reader = _Reader(path)

@@ -22,7 +22,7 @@ _DISC = _CORNERS / 2.0 * math.sin(2.0 * math.pi / _CORNERS) / math.pi  # its sha
 
 
 class _Lost:
-    """What is lost, and of whom; the same of many is one line."""
+    """What is lost, and for which robots; the same loss of many is one line."""
 
     def __init__(self) -> None:
         self._whose: dict[str, list[str]] = {}

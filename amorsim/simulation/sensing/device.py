@@ -97,7 +97,7 @@ class Device:
         self.fresh: Flags = np.zeros((rows, 1), dtype=bool)
 
     def __getstate__(self) -> dict[str, Any]:
-        """All but what is bound, which a copy prepares anew."""
+        """All but what is bound, which a copy prepares again."""
         return {name: value for name, value in vars(self).items() if name not in ("_sense", "look")} | {"_sides": {}}
 
     def unbind(self) -> None:
@@ -309,7 +309,7 @@ class Device:
 
     @property
     def what(self) -> str:
-        """What it is to its robots, for messages."""
+        """Its role in its robots, for messages."""
         return f"sensor {self.name!r}"
 
     def blame(self, error: BaseException) -> NoReturn:

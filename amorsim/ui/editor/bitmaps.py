@@ -100,7 +100,7 @@ def painted(text: str, spans: Any, *, is_occupied: bool) -> str:
     Raises
     ------
     AmorsimError
-        If these are no spans.
+        If these are not spans.
     """
     if not isinstance(spans, list) or len(spans) > MOST_SPANS:
         raise AmorsimError(f"spans: expected a list of at most {MOST_SPANS}")

@@ -1,4 +1,4 @@
-"""What a window may change: each change is a table, and several make one step."""
+"""The changes that a window may make: each is a table, and several make one step."""
 
 from __future__ import annotations
 

@@ -134,7 +134,7 @@ class Files:
 
     @property
     def marks(self) -> dict[str, str]:
-        """What is on the disk, as far as is known, as `mark_of` gives it."""
+        """The marks (`mark_of`) of the files on the disk, as far as they are known."""
         return {str(path): mark_of(held.saved) for path, held in self._held.items()}
 
     def write(self, path: Path) -> None:

@@ -1,4 +1,4 @@
-"""What an inspector shows of a thing: its tables, each as a form where its fields are known, and else as TOML."""
+"""The inspector of a thing: its tables, each as a form where its fields are known, and else as TOML."""
 
 from __future__ import annotations
 

@@ -49,7 +49,7 @@ def mark_of(text: str | None) -> str:
 
 @attrs.define(kw_only=True)
 class Kept:
-    """What a journal holds: the present texts, the steps, and marks of the texts that were saved last."""
+    """The content of a journal: the present texts, the steps, and marks of the texts that were saved last."""
 
     texts: dict[str, str]
     history: History = attrs.field(factory=History)
@@ -101,7 +101,7 @@ class Journal:
         self._stream = self._lock = None
 
     def read(self) -> Kept | None:
-        """What the journal holds; None if it is empty or cannot be read."""
+        """The journal's content; None if it is empty or cannot be read."""
         try:
             first, *lines = self.file.read_text(encoding="utf-8").split("\n")
             head = json.loads(first)

@@ -1,4 +1,4 @@
-"""What is made of the document that was read: its world in another format, its robots and sensors as model files."""
+"""Files made from the document that was read: its world in another format, its robots and sensors as models."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def write_world(world: Map | None, target: Path, *, is_trial: bool, force: bool,
 
 
 def _unkept(world: Map, target: Path) -> list[str]:
-    """What a format keeps of the file besides cells, and another does not."""
+    """The parts of the file besides cells that one format keeps and another does not."""
     source = getattr(world.source, "path", None)
     found = [f"warning: {one}" for one in world.warnings]
     if source is None or source == target:

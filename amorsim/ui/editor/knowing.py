@@ -1,4 +1,4 @@
-"""What a robot knows, in its inspector: a map, landmarks, when it is carried elsewhere; and changes of these."""
+"""A robot's knowledge in its inspector: a map, landmarks, its kidnappings; and changes of these."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a window shows of a document: the drawing, the things, and the faults. No program of a user is run."""
+"""The view of a document in a window: the drawing, the things, and the faults. No program of a user is run."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class FaultAt(FaultLine):
 
 @attrs.frozen(kw_only=True)
 class Looked:
-    """What a window shows of a document, as plain values."""
+    """The view of a document in a window, as plain values."""
 
     faults: list[FaultAt]
     things: list[Thing]
@@ -40,14 +40,14 @@ class Looked:
 
     @classmethod
     def failed(cls, name: str, problem: str) -> Looked:
-        """What is shown of a document that cannot be read: one fault."""
+        """The view of a document that cannot be read: one fault."""
         fault = Fault(file=name, path="", message=f"cannot be read: {problem}")
         return cls(faults=[{**line, "at": ""} for line in fault_lines([fault])], things=[], still=None)
 
 
 @attrs.frozen(kw_only=True)
 class Seen:
-    """What a window shows, and what that was made from: None if nothing could be read."""
+    """The view in a window, and the scenario that it was made from: None if nothing could be read."""
 
     looked: Looked
     partial: Partial | None = None

@@ -136,7 +136,7 @@ class Projects:
         }
 
     def _openable(self, name: str) -> str:
-        """What a window may open: an empty page, a bundled scenario, a recent one, or one of the project."""
+        """The documents a window may open: an empty page, a bundled scenario, a recent one, or one of the project."""
         work = self._session.work
         if not name or name in default_registry().names("scenario"):
             return name

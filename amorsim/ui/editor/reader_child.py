@@ -1,4 +1,4 @@
-"""What the reading process does; see `amorsim.ui.editor.reader`. Each request is a function of `_Functions`."""
+"""The functions of the reading process; see `amorsim.ui.editor.reader`. Each request is a function of `_Functions`."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _FARTHEST = 1000.0  # [m] that walls are looked for
 def main() -> None:
     """Answer requests from standard input until its end."""
     answers = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # what a plugin prints is no answer
+    os.dup2(2, 1)  # what a plugin prints is not an answer
     functions = _Functions()
     _say(answers, (True, None))
     while True:
@@ -66,7 +66,7 @@ class _Functions:
             return False, f"this failed: {error_in_words(error)}"
 
     def look(self, text: str, path: Path, shown: str, name: str, folder: Path) -> Any:
-        """What is to be seen of a document."""
+        """The view of a document."""
         self._seen = look(Document(text, path, registry=self._registry), shown, name, folder, self._registry)
         return self._seen.looked
 
@@ -81,7 +81,7 @@ class _Functions:
             raise AmorsimError(f"there is no picture {name!r}") from None
 
     def check_code(self, text: str, path: Path, shown: str, name: str, folder: Path) -> Any:
-        """What is wrong with the programs that a scenario without other faults names; they run in other processes."""
+        """The faults of the programs that a scenario without other faults names; they run in other processes."""
         document = Document(text, path, registry=self._registry)
         if document.faults():
             return []
@@ -113,7 +113,7 @@ class _Functions:
         return max(0.0, float(gaps[0]) + _POINT)
 
     def square(self, text: str, path: Path, robot: str, **_: Any) -> Any:
-        """What a robot's errors do on a square."""
+        """The effect of a robot's errors on a square."""
         from amorsim.ui.editor.bench import square_paths
 
         return square_paths(Document(text, path, registry=self._registry).scenario(), robot)

@@ -24,7 +24,7 @@ class Use(TypedDict):
 
 
 class Adding(TypedDict):
-    """What can be added to a table: a component of a kind, to the list or the table at a path."""
+    """A component of a kind that can be added to the list or the table at a path."""
 
     label: str
     path: str

@@ -89,7 +89,7 @@ class WorldMap:
         Raises
         ------
         AmorsimError
-            If the map is no line world, or would be none.
+            If the map is not a line world, or would not be one.
         """
         if self._is_generated:
             raise WallsError(self.walls_fixed)
@@ -146,7 +146,7 @@ class WorldMap:
         Raises
         ------
         AmorsimError
-            If the map is no bitmap that can be painted on.
+            If the map is not a bitmap that can be painted on.
         """
         if self.paint_fixed or self.file is None:
             raise WallsError(self.paint_fixed)

@@ -52,7 +52,7 @@ class _Looked(NamedTuple):
 
 
 class Mending:
-    """What windows see of a scenario with faults; they are notified as soon as its file has changed.
+    """A scenario with faults, as windows see it; they are notified as soon as its file has changed.
 
     All of it is for the event loop in which it is started.
 

@@ -43,7 +43,7 @@ def forms_of(simulation: Simulation, name: str, origins: Origins | None = None) 
 
 
 def value_at(robot: Robot, path: str) -> Any:
-    """What a robot has at a path of `Simulation.set`; a part of an error that is not named has its default."""
+    """A robot's value at a path of `Simulation.set`; a part of an error that is not named has its default."""
     parts = path.split(".")
     if parts[0] == "errors":
         if parts[-1] not in _NUMBERS:
@@ -71,7 +71,7 @@ class _Robots:
 
 @attrs.frozen
 class _Place:
-    """A thing with parameters: its path in the robot, and of which kind its parameters are.
+    """A thing with parameters: its path in the robot, and the kind of its parameters.
 
     `label` is how forms call it, `unit` that of what it works on, `names` those of its fields that count. `group` is
     that of its fields, where its path does not show it; `fixed` the reason why none of them can change.
@@ -281,7 +281,7 @@ def _fixed_by_value(value: Any) -> str:
 
 
 def _found(robot: Robot, path: str) -> Any:
-    """What a robot has at a path, of any type; none where it has no such part."""
+    """A robot's value at a path, of any type; none where it has no such part."""
     if path.startswith("errors."):
         return value_at(robot, path)
     thing: Any = robot
@@ -303,7 +303,7 @@ def _number(value: Any) -> float | None:
 
 
 def _drawn_value(deviation: Deviation, part: str, nominal: float, true: float) -> float | None:
-    """What was drawn for a part of an error; none if it is not drawn, or another part is drawn as well."""
+    """The number drawn for a part of an error; none if it is not drawn, or another part is drawn as well."""
     if not isinstance(getattr(deviation, part), Distribution):
         return None
     if part == "value":

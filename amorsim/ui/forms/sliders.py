@@ -64,7 +64,7 @@ def _near(form: ParameterForm, origin: float) -> tuple[float, float]:
 
 
 def _bounds(form: ParameterForm, inside: float) -> tuple[float, float]:
-    """What is allowed; a bound that is itself left out is kept away from, as seen from a value inside."""
+    """The allowed range; a bound that is itself excluded is moved a little towards a value inside."""
     low = -math.inf if form["low"] is None else form["low"]
     high = math.inf if form["high"] is None else form["high"]
     if form["is_open"][0] and math.isfinite(low):

@@ -37,7 +37,7 @@ def outline_of(shape: Shape) -> Outline:
 def floor_of(
     landmarks: Iterable[Landmark], lights: Iterable[Light], zones: Iterable[Zone], floor: ScenarioFloor
 ) -> Floor:
-    """What there is in the world besides walls and bodies."""
+    """The things in the world besides walls and bodies."""
     return {
         "landmarks": [[mark.x, mark.y, mark.radius] for mark in landmarks],
         "lights": [[light.x, light.y] for light in lights],

@@ -1,4 +1,4 @@
-"""The scene of a scenario of which only a part can be read: drawn without a simulation, and without any user's code."""
+"""The scene of a scenario that can be read in part only: drawn without a simulation, and without any user's code."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def _outline_shape(outline: Outline) -> OutlineShape:
 
 
 def _extent(scene: Scene, partial: Partial, outlines: Iterable[Outline]) -> list[float]:
-    """What is to be seen: the map, or where there is none, all that stands in the world."""
+    """The box to show: the map, or where there is none, all that stands in the world."""
     if scene["map"] is not None:
         return scene["maps"][scene["map"]]["extent"]
     bodies: list[Robot | Obstacle | Outline] = [*partial.robots, *partial.obstacles, *outlines]

@@ -88,7 +88,7 @@ class SensorShape(TypedDict):
     """A sensor as it is drawn, by its nominal parameters; in an answer to ``parameters``, by its true ones.
 
     `mounts` has one pose (x, y, heading) in the robot's frame, or one for each value; `bearings` are from the mount's
-    heading, one for each value, or none where a value is no range.
+    heading, one for each value, or none where a value is not a range.
     """
 
     name: str
@@ -104,7 +104,7 @@ class SensorShape(TypedDict):
 
 
 class Kind(TypedDict):
-    """What robots of one kind have in common."""
+    """The properties that robots of one kind share."""
 
     model: str
     drive: str  # as registered
@@ -118,7 +118,7 @@ class Kind(TypedDict):
 
 
 class Knowledge(TypedDict):
-    """What a robot knows of the world."""
+    """The world as a robot knows it."""
 
     map: int | None  # a place in the scene's `maps`
     landmarks: list[list[float]]
@@ -153,7 +153,7 @@ class FloorPatch(TypedDict):
 
 
 class Floor(TypedDict):
-    """What there is in the world besides walls and bodies; robots may know of it or not."""
+    """The things in the world besides walls and bodies; robots may know of them or not."""
 
     landmarks: list[list[float]]  # x, y, radius [m]
     lights: list[list[float]]  # x, y [m]
@@ -192,7 +192,7 @@ class Scene(TypedDict):
 
 
 class OutlineShape(TypedDict):
-    """A robot or an obstacle of which nothing but its outline and its place can be read."""
+    """A robot or an obstacle with nothing but an outline and a place that can be read."""
 
     name: str
     footprint: Outline

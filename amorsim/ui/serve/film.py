@@ -21,7 +21,7 @@ _HEAD = struct.Struct(">8s4x4sII")  # of a PNG, up to its size
 
 
 class FilmError(AmorsimError):
-    """What a window sent is no film."""
+    """Raised for a film that is malformed."""
 
 
 @attrs.frozen(kw_only=True)

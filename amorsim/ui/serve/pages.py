@@ -24,7 +24,7 @@ _ODD = re.compile(r"[^A-Za-z0-9_.-]+")
 
 
 class Talks(Protocol):
-    """What a server needs of a session; see `amorsim.ui.simulator.session.Session`."""
+    """The interface that a server needs of a session; see `amorsim.ui.simulator.session.Session`."""
 
     def open_window(self, tab: str = "") -> str:
         """A new window's name; `tab` is the same for the windows that one tab shows after one another."""

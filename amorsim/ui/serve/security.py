@@ -52,7 +52,7 @@ WELCOME = (
 
 @attrs.frozen(kw_only=True)
 class Door:
-    """What a visitor must show: one of our names as host, and a token or the cookie given for it.
+    """The credentials of a visitor: one of our names as host, and a token or the cookie given for it.
 
     `host` is what the server is bound to. A port in `Host` is not looked at, for a forwarded one differs; in `Origin`
     it must be that of `Host`.
@@ -215,7 +215,7 @@ class _Headers:
 
 
 def _host_name(host: str) -> str | None:
-    """The name in a `Host` header, lower case, without its port and brackets; None for what is none."""
+    """The name in a `Host` header, lower case, without its port and brackets; None if malformed."""
     match = re.fullmatch(r"(\[[0-9a-fA-F:.]+\]|[A-Za-z0-9._-]+)(:\d{1,5})?", host)
     return None if match is None else match.group(1).strip("[]").lower()
 

@@ -24,7 +24,7 @@ class MessageError(AmorsimError):
 
 
 class Kind(NamedTuple):
-    """What a value may be, in words, and whether one is."""
+    """The condition for a value, in words and as a function."""
 
     expected: str
     holds: Callable[[Any], bool]

@@ -1,4 +1,4 @@
-"""What the thread that simulates is busy with: for how long, in whose controller, and how it is broken off."""
+"""The work of the thread that simulates: for how long it lasts, in whose controller, and how it is broken off."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Interrupted(BaseException):
 
 
 class Busy:
-    """What the main thread does; other threads look at it."""
+    """The main thread's present work; other threads look at it."""
 
     def __init__(self) -> None:
         self._thread = threading.main_thread().ident or 0

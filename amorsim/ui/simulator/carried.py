@@ -39,7 +39,7 @@ class Carried:
 
     @classmethod
     def from_bytes(cls, data: bytes) -> Carried:
-        """What `to_bytes` gave."""
+        """The state in the result of `to_bytes`."""
         table: dict[str, Any] = pickle.loads(data)
         return cls(**table)
 

@@ -18,7 +18,7 @@ class Changes:
 
     @classmethod
     def of(cls, inputs: Iterable[Input]) -> Changes:
-        """What some inputs set."""
+        """The changes that some inputs made."""
         changes = cls()
         for one in inputs:
             changes.note(one)

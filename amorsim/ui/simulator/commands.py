@@ -1,4 +1,4 @@
-"""What the child does with each command that changes a simulation (see `amorsim.ui.simulator.protocol`)."""
+"""The child's commands that change a simulation (see `amorsim.ui.simulator.protocol`)."""
 
 from __future__ import annotations
 
@@ -210,7 +210,7 @@ class Commands(Watching):
         return {"changes": [[robot, path, value] for (robot, path), value in self.player.changes.items()]}
 
     def _job(self, _: Table) -> Answer:
-        """What another process needs to simulate the same again; the digest only where the present is shown."""
+        """All that another process needs to simulate the same again; the digest only where the present is shown."""
         player = self.player
         inputs = [one.to_json() for one in player.inputs]
         digest = None if player.is_past else player.simulation.digest()

@@ -1,4 +1,4 @@
-"""What went wrong in a step."""
+"""Faults of a step."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ __all__ = ["Fault", "fault_of"]
 
 @attrs.frozen(kw_only=True)
 class Fault:
-    """What went wrong in a step: whose controller it was, if it was one, and the lines that led to it."""
+    """The fault of a step: whose controller it was, if it was one, and the lines that led to it."""
 
     robots: tuple[str, ...]
     text: str

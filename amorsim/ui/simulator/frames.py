@@ -33,11 +33,11 @@ _UPPER = np.array([0, 1, 2, 4, 5, 8])  # of a 3 x 3 matrix, row by row
 
 
 class Before(NamedTuple):
-    """What a frame needs of the step before it, of the robots that are looked at: for velocities from positions."""
+    """Values of the step before a frame, of the robots that are looked at: velocities come from two positions."""
 
     tick: int
     estimated: Array  # (R, 3)
-    angles: Mapping[int, tuple[Array, int]]  # measured (1, j), and of which tick, where there are any
+    angles: Mapping[int, tuple[Array, int]]  # measured (1, j), and their tick, where there are any
 
 
 def _places(simulation: Simulation) -> Callable[[int], tuple[Frame, int]]:
@@ -70,7 +70,7 @@ def _measured_angles(frame: Frame, row: int) -> tuple[Array, int] | None:
 
 
 def look_back(simulation: Simulation, robots: Iterable[int]) -> Before:
-    """What the frames of the next step will need of this one, for those who look at these robots."""
+    """The values of this step that the frames of the next one need, for those who look at these robots."""
     find = _places(simulation)
     measured = {robot: _measured_angles(*find(robot)) for robot in robots}
     known = {robot: angles for robot, angles in measured.items() if angles is not None}

@@ -1,4 +1,4 @@
-"""What a user gives to a simulation while it runs, kept so that it can be given again at the same ticks."""
+"""A user's inputs to a simulation while it runs, kept so that they can be given again at the same ticks."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ class Inputs:
         self._reported = min(self._reported, len(self._given))
 
     def news(self) -> tuple[int, list[Input]]:
-        """What is not as it was when this was asked last: from which place on, and all from there."""
+        """The changes since the last call: the first place that differs, and all inputs from there on."""
         first, self._reported = self._reported, len(self._given)
         return first, self._given[first:]
 

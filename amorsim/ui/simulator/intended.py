@@ -1,4 +1,4 @@
-"""What the controller of a robot intends, as a window draws it: its path, and what it compared in its last decision."""
+"""The intentions of a robot's controller, as a window draws them: its path, and the options of its last decision."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ NO_INTENTION: Intended = {
 
 
 def intended_of(simulation: Simulation, robot: str, *, is_known: bool = True) -> Intended:
-    """What a robot's controller intended in the last step; see `intended_in`.
+    """The intentions of a robot's controller in the last step; see `intended_in`.
 
     All is empty for a moment of the past that is not known.
     """
@@ -189,7 +189,7 @@ def _along(twists: Array, step: float, pose: Array) -> Array:
 
 
 def _velocities(beliefs: Mapping[str, Array], row: int, speed: float) -> IntendedVelocities:
-    """What a robot among others knows of them, and the velocities that lead into them."""
+    """The others that a robot knows of, and the velocities that lead into them."""
     twist = _of_row(beliefs, "twist", row)
     return {
         "speed": speed,

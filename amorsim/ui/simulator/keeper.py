@@ -1,4 +1,4 @@
-"""What keeps a session's child process: starts it, asks it for signs of life, and starts another where that is needed.
+"""Supervises a session's child process: starts it, watches its signs of life, and starts another where needed.
 
 Where a controller hangs or the child is gone, another child is led to where this one was, without the controller that
 held it up.

@@ -1,4 +1,4 @@
-"""What the estimators of a robot have mapped, as a window draws it: maps, matched scans and pose graphs."""
+"""The maps of a robot's estimators, as a window draws them: maps, matched scans and pose graphs."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ _FREE, _OCCUPIED = 28, 235  # opacities; what was never seen is clear
 
 
 def mapped_of(simulation: Simulation, robot: str) -> list[Mapped]:
-    """What each estimator of a robot that maps or matches believes, in their order."""
+    """The beliefs of each estimator of a robot that maps or matches, in their order."""
     frame = next(frame for frame in simulation.frames() if robot in frame.names)
     return mapped_in(frame.beliefs, list(frame.names).index(robot))
 
 
 def mapped_in(found_beliefs: Mapping[str, Mapping[str, npt.NDArray[Any]]], row: int) -> list[Mapped]:
-    """What is mapped in the beliefs of each estimator, of a row, in their order."""
+    """The maps in the beliefs of each estimator of a row, in their order."""
     found: list[Mapped] = []
     for name in found_beliefs:
         beliefs = found_beliefs[name]

@@ -1,4 +1,4 @@
-"""What a window of the Simulator may send: the shape of each command, and the limits of all that is in it.
+"""The messages that a window of the Simulator may send: the shape of each command, and its limits.
 
 A command is a message (see `amorsim.ui.serve.wire`) with the keys that `COMMANDS` gives it. What commands are answered
 with, see `amorsim.ui.simulator.protocol`.
@@ -37,7 +37,7 @@ def _number(low: float = -LARGEST, high: float = LARGEST) -> Kind:
 
 def _text(longest: int) -> Kind:
     def holds(value: Any) -> bool:
-        # Half of a surrogate pair is no letter, and cannot be written.
+        # Half of a surrogate pair is not a letter, and cannot be written.
         return isinstance(value, str) and len(value) <= longest and not any("\ud800" <= c <= "\udfff" for c in value)
 
     return Kind(f"a text of at most {longest} letters", holds)

@@ -192,7 +192,7 @@ def _tail(moment: Dynamic) -> bytes:
 
 
 def unpack_frame(data: bytes) -> Dynamic:
-    """What `pack_frame` packed, as the window's script reads it.
+    """The content of a frame from `pack_frame`, as the window's script reads it.
 
     Raises
     ------
@@ -244,7 +244,7 @@ def pack_bundle(moments: Sequence[Dynamic]) -> bytes:
 
 
 class Bundle:
-    """What `pack_bundle` packed, of which frames are made without looking into it further.
+    """The result of `pack_bundle`, from which frames are made without looking into it further.
 
     Raises
     ------
@@ -274,7 +274,7 @@ class Bundle:
 
     @property
     def robots(self) -> list[int]:
-        """The robots of which it contains everything."""
+        """The robots that it contains completely."""
         return list(self._heads)
 
     def frame(self, robot: int, number: int, flags: int | None = None) -> bytes | None:

@@ -1,4 +1,4 @@
-"""What plots need of the past besides poses: the values of a robot's frames, in few numbers and bounded memory."""
+"""The past that plots need besides poses: the values of a robot's frames, in few numbers and bounded memory."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class Pasts:
         return copy.deepcopy(self)
 
     def of(self, robot: int, most: int) -> Past:
-        """What is kept of a robot, at most `most` moments, including the last."""
+        """The kept moments of a robot, at most `most`, including the last."""
         if robot not in self._robots:
             return {"ticks": [], "values": ""}
         ticks, values = self._robots[robot].moments(most)

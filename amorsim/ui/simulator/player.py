@@ -321,7 +321,7 @@ class Player(Simulated):
 
     @property
     def changes(self) -> dict[tuple[str, str], Any]:
-        """What was set while it ran, by robot and path."""
+        """The values set while it ran, by robot and path."""
         return self._changes.values
 
     # ---------------------------------------------------------------------------------------------------------- ending

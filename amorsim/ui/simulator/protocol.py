@@ -117,7 +117,7 @@ class MappedCells(TypedDict):
 
 
 class Mapped(TypedDict):
-    """What an estimator has mapped, in the world [m]; none of what it does not believe in.
+    """The map of an estimator, in the world [m]; parts that it has no belief of are missing.
 
     `scan` are the points of the last scan that was matched, `poses` the nodes of a pose graph, and `edges` pairs of
     their places.
@@ -139,7 +139,7 @@ class IntendedArc(TypedDict):
 
 
 class IntendedVelocities(TypedDict):
-    """What a controller among others knows of them, and which velocities lead into them, in the robot's frame.
+    """The others that a controller knows of, and the velocities that lead into them, in the robot's frame.
 
     `others` are x, y [m], vx, vy [m/s] and radius [m] of each. `borders` are of half-planes of velocities: a point and
     a direction, what is permitted to its left. `cones` are of velocities that lead into another: apex, and the
@@ -155,7 +155,7 @@ class IntendedVelocities(TypedDict):
 
 
 class Intended(TypedDict):
-    """What a controller intended in the last step; null of what it has no belief of.
+    """The intentions of a controller in the last step; null where it has no such belief.
 
     `path` and `searched` are places in the world [m]. `blocked` are sectors around the robot, the first from behind
     anticlockwise, `bearing` the direction taken [rad] from its heading, if there is one. `ways` are directions [rad]
@@ -196,7 +196,7 @@ class State(TypedDict):
 
 
 class Past(TypedDict):
-    """What else plots show of a robot: since it was first looked at, or since the start where robots are few.
+    """The further values of a robot in plots: since it was first looked at, or since the start where robots are few.
 
     `values` is a line of float64, little endian and in base64, for each tick: true and estimated pose (3 each),
     covariance (6), true and estimated twist (3 each), true and measured joint rates, true and measured values of all

@@ -1,4 +1,4 @@
-"""What a window was asked to show, so that another process makes the same simulation of it, or opens the same run."""
+"""The request for a window, from which another process makes the same simulation, or opens the same run."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["Recipe"]
 
 @attrs.frozen(kw_only=True)
 class Recipe:
-    """What a window shows: a scenario by its name or file, and what is changed of it; or a recorded run.
+    """The request for a window: a scenario by its name or file, and its changes; or a recorded run.
 
     `passing` is a folder that ends with the window, where the scenario and some of its maps lie; or empty. With
     `is_recorded`, `name` is the folder of a run, and nothing else is used.
@@ -48,5 +48,5 @@ class Recipe:
 
     @classmethod
     def from_json(cls, table: Mapping[str, Any]) -> Self:
-        """What `to_json` gave."""
+        """The recipe in the result of `to_json`."""
         return cls(**table)

@@ -1,4 +1,4 @@
-"""What a run's folder holds of one moment: the numbers of its robots, obstacles, sensors and estimators."""
+"""One moment in a run's folder: the numbers of its robots, obstacles, sensors and estimators."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _COVARIANCE = ("xx", "xy", "xh", "yy", "yh", "hh")
 
 
 class RecordedFiles:
-    """The files of a run, of which single moments are read; a file that is missing or damaged has no numbers.
+    """The files of a run, for reading single moments; a file that is missing or damaged has no numbers.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ class RecordedFiles:
 
     @property
     def last_tick(self) -> int:
-        """The last tick of which there are poses."""
+        """The last tick with poses."""
         last = self._poses.last_time
         if last is None:
             raise RunError(f"{self._poses.path}: holds no poses; the run was broken off before its first step")
@@ -192,7 +192,7 @@ class RecordedFiles:
         return {name: beliefs for name, beliefs in found.items() if beliefs}
 
     def beliefs_of(self, name: str, tick: int, robot: str) -> tuple[int, Mapping[str, npt.NDArray[Any]]]:
-        """The beliefs `(1, ...)` of one estimator of a robot, or ``"controller"``, and the tick of which they are."""
+        """The beliefs `(1, ...)` of one estimator of a robot, or ``"controller"``, and their tick."""
         if not self._array_files(name):
             return tick, self._small_beliefs(name, tick, robot)
         files = [(at, path) for at, path in self._array_files(name) if at <= tick]

@@ -101,7 +101,7 @@ def film_recorded(
 
 
 def _poses(files: RecordedFiles, ticks: Iterable[int], names: Sequence[str], *, has_parts: bool) -> Iterator[Array]:
-    """Where bodies are at some ticks `(B, 3)` each; nan for one of which nothing was written until then."""
+    """Where bodies are at some ticks `(B, 3)` each; nan for a body without a pose until then."""
     nothing = np.full(3, np.nan)
     last: dict[str, Array] = {}
     for tick in ticks:

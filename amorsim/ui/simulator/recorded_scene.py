@@ -125,7 +125,7 @@ class RecordedScene:
         return found + ([["problem", str(about["problem"])]] if about.get("problem") else [])
 
     def _lacks(self) -> list[str]:
-        """What the folder does not hold, in sentences."""
+        """The parts that the folder does not hold, in sentences."""
         files, partial = self._files, self._partial
         found = []
         sensors = {name for robot in partial.robots for name in robot.sensors}

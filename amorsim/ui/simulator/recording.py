@@ -286,7 +286,7 @@ class Recording(Source):
         return np.array([found.get(body["name"], nothing) for body in self.scene["obstacles"]]).reshape(-1, 3)
 
     def _selected(self, robot: str, tick: int) -> Selected:
-        """What was recorded of a robot; nan for what was not."""
+        """The recorded values of a robot; nan for what was not recorded."""
         kind = self._kind(robot)
         readings = [self._files.reading(one["name"], tick, robot, one["size"]) for one in kind["sensors"]]
         joints = kind["joints"]
@@ -307,11 +307,11 @@ class Recording(Source):
         )
 
     def mapped(self, robot: str) -> list[Mapped]:
-        """What each estimator of a robot that maps or matches believed when beliefs were written last."""
+        """The beliefs of each estimator of a robot that maps or matches, as they were written last."""
         return mapped_in(self._files.beliefs(self._tick, robot, self._estimators(robot)), 0)
 
     def intended(self, robot: str) -> Intended:
-        """What the controller of a robot intended when its beliefs were written last, where the robot was then."""
+        """The intentions of a robot's controller when its beliefs were written last, where the robot was then."""
         at, beliefs = self._files.beliefs_of("controller", self._tick, robot)
         spec = next((one for one in self._scenes.partial.robots if one.name == robot), None)
         poses = self._files.poses(at, robot).get(robot)

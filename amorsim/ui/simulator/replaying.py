@@ -1,4 +1,4 @@
-"""What the child does with each command for a recorded run."""
+"""The child's commands for a recorded run."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["Replaying"]
 
 
 class Replaying(Watching):
-    """Carries out commands on a recorded run, of which another replica can be chosen."""
+    """Carries out commands on a recorded run; another replica can be chosen."""
 
     def __init__(self, recording: Recording, is_ending: Callable[[], bool] = lambda: False) -> None:
         super().__init__(recording, is_ending)

@@ -128,7 +128,7 @@ def show(
 
 
 class _Shown:
-    """What the pages show: a simulation, or the faults of its scenario's file, or both."""
+    """The content of the pages: a simulation, or the faults of its scenario's file, or both."""
 
     def __init__(
         self, recipe: Recipe, pages: Pages, *, out: Path | None, say: Say, complain: Say, notice: Say | None

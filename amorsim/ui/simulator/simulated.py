@@ -120,9 +120,9 @@ class Simulated(Source):
         return Track(*self.paths.track(robot, most), self.pasts.of(robot, most))
 
     def mapped(self, robot: str) -> list[Mapped]:
-        """What each estimator of a robot that maps or matches believes, in their order."""
+        """The beliefs of each estimator of a robot that maps or matches, in their order."""
         return mapped_of(self.simulation, robot)
 
     def intended(self, robot: str) -> Intended:
-        """What the controller of a robot intended in the last step; for a moment with poses only, nothing."""
+        """The intentions of a robot's controller in the last step; none for a moment with poses only."""
         return intended_of(self.simulation, robot, is_known=self.poses_only is None)

@@ -1,4 +1,4 @@
-"""What a window shows: a simulation that runs, or a run that was recorded. Both are moments that follow one another."""
+"""The source of a window: a simulation that runs, or a recorded run. Both are moments that follow one another."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ class Track(NamedTuple):
 
 
 class Source(abc.ABC):
-    """Moments, one for each tick from 0 to `newest`, one of which is shown.
+    """Moments, one for each tick from 0 to `newest`; one of them is shown.
 
     Attributes
     ----------
     epoch
         Rises whenever the past is no longer what it was.
     watched
-        The robots of which frames hold everything.
+        The robots that frames contain completely.
     fault
         Why no step can be made, or None.
     """
@@ -130,10 +130,10 @@ class Source(abc.ABC):
 
     @abc.abstractmethod
     def mapped(self, robot: str) -> list[Mapped]:
-        """What each estimator of a robot that maps or matches believes, in their order."""
+        """The beliefs of each estimator of a robot that maps or matches, in their order."""
 
     def intended(self, robot: str) -> Intended:
-        """What the controller of a robot intended at the moment that is shown; nothing where that is not known."""
+        """The intentions of a robot's controller at the moment that is shown; none where they are not known."""
         return NO_INTENTION
 
     @property
@@ -164,13 +164,13 @@ class Source(abc.ABC):
     # ---------------------------------------------------------------------------------------------------------- events
 
     def remark(self, kind: str, text: str, *, robot: str = "", stack: str = "") -> None:
-        """Keep a line that is no event of the simulation."""
+        """Keep a line that is not an event of the simulation."""
         time = self.tick * self.dt
         self._story.add(len(self.happened), self.tick, time, kind, text, robot=robot, stack=stack)
 
     @property
     def remarks(self) -> list[EventLine]:
-        """What is no event of the simulation, in order."""
+        """The lines that are not events of the simulation, in order."""
         return self._story.remarks
 
     @property

@@ -1,4 +1,4 @@
-"""What happened, line by line: the simulation's events, and remarks between them."""
+"""The story of a simulation, line by line: its events, and remarks between them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What of a running simulation is kept to look back on: poses of every tick, and snapshots now and then."""
+"""The past of a running simulation, to look back on: poses of every tick, and snapshots now and then."""
 
 from __future__ import annotations
 

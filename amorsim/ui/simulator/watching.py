@@ -1,4 +1,4 @@
-"""What the child does with each command that looks at a source, or moves in its time."""
+"""The child's commands that look at a source, or move in its time."""
 
 from __future__ import annotations
 

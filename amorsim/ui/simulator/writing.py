@@ -14,7 +14,7 @@ __all__ = ["Writing"]
 
 
 class Writing:
-    """What is written of a simulation.
+    """The files that are written of a simulation.
 
     Parameters
     ----------
