@@ -113,7 +113,7 @@ export const BLOCKS = [
  */
 
 /**
- * How readings are drawn; `style` always says which of these it is, and of the rest it has what it needs.
+ * How readings are drawn; `style` is always there, and of the rest what that style needs.
  * @typedef {object} Drawing
  * @property {string} [style]
  * @property {number} [half_angle]
@@ -125,7 +125,7 @@ export const BLOCKS = [
  */
 
 /**
- * What there is in the world besides walls and bodies; robots may know of it or not.
+ * The things in the world besides walls and bodies; robots may know of them or not.
  * @typedef {object} Floor
  * @property {number[][]} landmarks
  * @property {number[][]} lights
@@ -149,7 +149,7 @@ export const BLOCKS = [
  */
 
 /**
- * What robots of one kind have in common.
+ * The properties that robots of one kind share.
  * @typedef {object} Kind
  * @property {string} model
  * @property {string} drive
@@ -163,7 +163,7 @@ export const BLOCKS = [
  */
 
 /**
- * What a robot knows of the world.
+ * The world as a robot knows it.
  * @typedef {object} Knowledge
  * @property {number | null} map
  * @property {number[][]} landmarks
@@ -198,7 +198,7 @@ export const BLOCKS = [
  */
 
 /**
- * A robot or an obstacle of which nothing but its outline and its place can be read.
+ * A robot or an obstacle with nothing but an outline and a place that can be read.
  * @typedef {object} OutlineShape
  * @property {string} name
  * @property {Outline} footprint
@@ -206,7 +206,7 @@ export const BLOCKS = [
  */
 
 /**
- * What the page says of a recorded run.
+ * The page's description of a recorded run.
  * @typedef {object} Recorded
  * @property {number} replica
  * @property {number[]} replicas
@@ -298,7 +298,7 @@ export const BLOCKS = [
  */
 
 /**
- * A field of a form. `fixed` says why its value cannot change now, and is empty where it can.
+ * A field of a form. `fixed` is the reason why its value cannot change now, and empty where it can.
  * @typedef {object} FieldForm
  * @property {string} path
  * @property {string} label
@@ -323,7 +323,7 @@ export const BLOCKS = [
  */
 
 /**
- * What a controller intended in the last step; null of what it has no belief of.
+ * The intentions of a controller in the last step; null where it has no such belief.
  * @typedef {object} Intended
  * @property {number[]} pose
  * @property {number[][] | null} path
@@ -344,7 +344,7 @@ export const BLOCKS = [
  */
 
 /**
- * What a controller among others knows of them, and which velocities lead into them, in the robot's frame.
+ * The others that a controller knows of, and the velocities that lead into them, in the robot's frame.
  * @typedef {object} IntendedVelocities
  * @property {number} speed
  * @property {number[]} twist
@@ -354,7 +354,7 @@ export const BLOCKS = [
  */
 
 /**
- * What an estimator has mapped, in the world [m]; none of what it does not believe in.
+ * The map of an estimator, in the world [m]; parts that it has no belief of are missing.
  * @typedef {object} Mapped
  * @property {string} estimator
  * @property {MappedCells | null} map
@@ -401,7 +401,7 @@ export const BLOCKS = [
  */
 
 /**
- * What else plots tell of a robot: since it was first looked at, or since the start where robots are few.
+ * The further values of a robot in plots: since it was first looked at, or since the start where robots are few.
  * @typedef {object} Past
  * @property {number[]} ticks
  * @property {string} values
