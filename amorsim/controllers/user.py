@@ -140,19 +140,19 @@ class UserController(UserCode, Controller):
         ControllerError
             If the user's code raises, or does not return a command.
         """
-        return self._answers(robot, dict(readings), estimate, clock, state).command()
+        return self.ask_robots(robot, dict(readings), estimate, clock, state).command()
 
     def bind(self, at: ControllerBinding) -> Callable[[], None]:
         """Call the user's code with copies of the engine's arrays, of what it looks at."""
         clock = Clock(tick=at.tick, time=at.time, dt=at.dt)
 
         def command() -> None:
-            answers = self._answers(at.robot, at.readings, at.estimate, clock, at.state)
+            answers = self.ask_robots(at.robot, at.readings, at.estimate, clock, at.state)
             np.copyto(at.out, answers.command())
 
         return command
 
-    def _answers(
+    def ask_robots(
         self, robot: RobotModel, readings: Mapping[str, Measurement], estimate: Estimate, clock: Clock, state: State
     ) -> _Answers:
         """The answers of the users' code of all rows, which gets copies that it may keep and change."""

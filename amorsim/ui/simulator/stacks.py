@@ -26,7 +26,7 @@ def robot_of(frame: FrameType | None) -> str:
     from amorsim.controllers.user import UserController
 
     while frame is not None:
-        if frame.f_code is UserController.command.__code__:
+        if frame.f_code is UserController.ask_robots.__code__:
             row, names = frame.f_locals.get("row"), frame.f_locals["robot"].names
             return str(names[row]) if names and row is not None else ""
         frame = frame.f_back
