@@ -97,17 +97,17 @@ if TYPE_CHECKING:
     from amorsim.runs.reproduce import reproduce
     from amorsim.runs.run import run
     from amorsim.runs.session import RunSession, RunSummary, record
-    from amorsim.scenario.code_check import check_code
-    from amorsim.scenario.devices import load_device
-    from amorsim.scenario.document import Document, open_document
+    from amorsim.scenario.documents.document import Document, open_document
+    from amorsim.scenario.documents.origins import Origin
+    from amorsim.scenario.files.devices import load_device
+    from amorsim.scenario.files.maps import load_map, save_map
+    from amorsim.scenario.files.model_files import save_device, save_robot
     from amorsim.scenario.knowledge import Knowledge
-    from amorsim.scenario.maps import load_map, save_map
-    from amorsim.scenario.model_files import save_device, save_robot
-    from amorsim.scenario.origins import Origin
-    from amorsim.scenario.partial import Outline, Partial
+    from amorsim.scenario.programs.code_check import check_code
     from amorsim.scenario.random_start import RandomStart
-    from amorsim.scenario.read import load
-    from amorsim.scenario.robots import load_robot
+    from amorsim.scenario.reading.partial import Outline, Partial
+    from amorsim.scenario.reading.read import load
+    from amorsim.scenario.reading.robots import load_robot
     from amorsim.scenario.spec import (
         Deviation,
         Distribution,
@@ -156,17 +156,17 @@ _MODULES = {
     "amorsim.core.rows": "stack",
     "amorsim.plugins.hooks": "hookimpl",
     "amorsim.plugins.registry": "Registry",
-    "amorsim.scenario.code_check": "check_code",
+    "amorsim.scenario.programs.code_check": "check_code",
     "amorsim.scenario.knowledge": "Knowledge",
-    "amorsim.scenario.maps": "load_map save_map",
-    "amorsim.scenario.model_files": "save_device save_robot",
-    "amorsim.scenario.origins": "Origin",
-    "amorsim.scenario.partial": "Outline Partial",
-    "amorsim.scenario.devices": "load_device",
-    "amorsim.scenario.document": "Document open_document",
-    "amorsim.scenario.robots": "load_robot",
+    "amorsim.scenario.files.maps": "load_map save_map",
+    "amorsim.scenario.files.model_files": "save_device save_robot",
+    "amorsim.scenario.documents.origins": "Origin",
+    "amorsim.scenario.reading.partial": "Outline Partial",
+    "amorsim.scenario.files.devices": "load_device",
+    "amorsim.scenario.documents.document": "Document open_document",
+    "amorsim.scenario.reading.robots": "load_robot",
     "amorsim.scenario.random_start": "RandomStart",
-    "amorsim.scenario.read": "load",
+    "amorsim.scenario.reading.read": "load",
     "amorsim.scenario.spec": (
         "Deviation Distribution Drop Floor InitialBelief Kidnapping Landmark Light Marking MountedSensor NoiseElement "
         "Obstacle Pose Recording Robot Scenario Zone"

@@ -13,7 +13,7 @@ from PIL import Image
 
 import amorsim as am
 from amorsim.render.picture import draw_run
-from amorsim.runs.asked import read_scenario
+from amorsim.runs.scenario_argument import read_scenario
 from amorsim.runs.traces import Traces
 
 __all__ = ["OPTIONS", "make", "scenario_of"]

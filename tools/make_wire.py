@@ -17,8 +17,8 @@ from typing import Any
 
 from amorsim.ui.faults import lines, mending
 from amorsim.ui.scene import wire as scenes
-from amorsim.ui.simulator import packing, protocol
-from amorsim.ui.simulator.messages import COMMANDS
+from amorsim.ui.simulator.frames import packing, protocol
+from amorsim.ui.simulator.frames.messages import COMMANDS
 
 FILE = Path(__file__).parent.parent / "amorsim" / "ui" / "web" / "simulator" / "wire.js"
 HEAD = """// Made by tools/make_wire.py from what amorsim/ui/{scene, simulator, faults} say: change it there.

@@ -15,8 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.arguments import is_numeric, real, whole
+from amorsim.core.error_text import in_words
 from amorsim.core.parameters import LARGEST, ParameterError
-from amorsim.core.trouble import in_words
 
 __all__ = ["Consistency", "chi_squared_band", "nees", "nis", "verdict"]
 

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.arguments import numbers, real
+from amorsim.core.error_text import in_words
 from amorsim.core.parameters import ParameterError
-from amorsim.core.trouble import in_words
 
 __all__ = ["Interval", "mean_interval", "welch_half_width"]
 

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from amorsim.contracts import Plan, Planner
+from amorsim.core.error_text import RAISED, error_in_words, in_words
 from amorsim.core.errors import AmorsimError, ComponentError
 from amorsim.core.map import Map
 from amorsim.core.parameters import LARGEST
 from amorsim.core.shapes import Shape
-from amorsim.core.trouble import RAISED, error_in_words, in_words
 
 __all__ = ["find_plan"]
 

@@ -14,8 +14,8 @@ import numpy.typing as npt
 from amorsim.analysis.files import RunFiles, Table
 from amorsim.analysis.message_values import beams_of, nanoseconds_of, quaternion
 from amorsim.analysis.own_columns import own_commands, own_readings
+from amorsim.core.atomic_files import make_folders, new_file
 from amorsim.core.errors import AnalysisError, RunError
-from amorsim.core.whole_files import make_folders, new_file
 from amorsim.scenario.spec import MountedSensor, Robot
 from amorsim.sensors import Compass, Encoder, Gps, Gyro, Imu
 from amorsim.simulation.alike import channels_of
@@ -55,7 +55,7 @@ def write_bag(files: RunFiles, path: Path, within: Path) -> None:
     Parameters
     ----------
     within
-        The folder in which the bag must stay, as of `amorsim.core.whole_files.replacing`.
+        The folder in which the bag must stay, as of `amorsim.core.atomic_files.replacing`.
 
     Raises
     ------

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from amorsim.core.errors import AmorsimError
-from amorsim.scenario.read import load
-from amorsim.scenario.resolved import resolved
+from amorsim.scenario.files.resolved import resolved
+from amorsim.scenario.reading.read import load
 from amorsim.sweeps.table import Study
 
 __all__ = ["differing_parts"]

@@ -9,8 +9,8 @@ from pathlib import Path
 from amorsim.analysis.files import RunFiles
 from amorsim.analysis.trajectory import run_trajectories, write_csv, write_kitti, write_tum
 from amorsim.core.arguments import checked, path_of
+from amorsim.core.atomic_files import replacing
 from amorsim.core.errors import AnalysisError
-from amorsim.core.whole_files import replacing
 from amorsim.runs.folder import tables_of
 
 __all__ = ["FORMATS", "export_run"]

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure
 
-from amorsim.core.whole_files import write_bytes
+from amorsim.core.atomic_files import write_bytes
 
 __all__ = [
     "ESTIMATED",
@@ -57,7 +57,7 @@ def new_figure(rows: int = 1, *, height: float = 5.0, ratios: list[float] | None
 
 
 def save_figure(figure: Figure, path: Path, *, dpi: int, within: Path | None = None) -> None:
-    """Write a figure as a PNG; `within` is that of `amorsim.core.whole_files.replacing`.
+    """Write a figure as a PNG; `within` is that of `amorsim.core.atomic_files.replacing`.
 
     Raises
     ------

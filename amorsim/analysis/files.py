@@ -14,7 +14,7 @@ import numpy.typing as npt
 from amorsim.core.arguments import checked, path_of
 from amorsim.core.errors import RunError
 from amorsim.core.unknown_names import no_such
-from amorsim.runs.about import RUN_FOLDER, read_about, scenario_of
+from amorsim.runs.manifest import RUN_FOLDER, read_about, scenario_of
 from amorsim.runs.tables import read_columns
 from amorsim.scenario.spec import Scenario
 

@@ -14,8 +14,8 @@ from amorsim.analysis.files import RunFiles
 from amorsim.analysis.message_shapes import VALUES
 from amorsim.analysis.message_values import beams_of, nanoseconds_of, quaternion
 from amorsim.analysis.own_columns import own_commands, own_readings
+from amorsim.core.atomic_files import replacing
 from amorsim.core.errors import AnalysisError
-from amorsim.core.whole_files import replacing
 from amorsim.scenario.spec import Robot
 from amorsim.simulation.alike import channels_of
 
@@ -78,7 +78,7 @@ def write_mcap(files: RunFiles, path: Path, within: Path) -> None:
     Parameters
     ----------
     within
-        The folder in which the file must stay, as of `amorsim.core.whole_files.replacing`.
+        The folder in which the file must stay, as of `amorsim.core.atomic_files.replacing`.
 
     Raises
     ------

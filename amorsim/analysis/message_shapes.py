@@ -8,8 +8,8 @@ from typing import Any
 import attrs
 import numpy as np
 
+from amorsim.core.error_text import in_words
 from amorsim.core.errors import AnalysisError
-from amorsim.core.trouble import in_words
 
 __all__ = ["VALUES", "check_message"]
 

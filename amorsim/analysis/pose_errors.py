@@ -25,9 +25,9 @@ from amorsim.algorithms.trajectories import (
 )
 from amorsim.analysis.trajectory import Trajectory
 from amorsim.core.arguments import check_kind, check_text, checked, numbers, real
+from amorsim.core.error_text import in_words
 from amorsim.core.errors import AnalysisError
 from amorsim.core.parameters import ParameterError
-from amorsim.core.trouble import in_words
 
 __all__ = ["PoseErrors", "Statistics", "ape", "relation_errors", "rpe"]
 

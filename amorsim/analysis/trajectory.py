@@ -14,10 +14,10 @@ import numpy.typing as npt
 
 from amorsim.analysis.files import RunFiles
 from amorsim.core.arguments import check_kind, checked, path_of
+from amorsim.core.atomic_files import write_text
 from amorsim.core.errors import AnalysisError, RunError
 from amorsim.core.reading import read_bytes, reason
 from amorsim.core.unknown_names import no_such
-from amorsim.core.whole_files import write_text
 
 __all__ = [
     "Trajectory",

@@ -39,8 +39,8 @@ from amorsim.cli import (
 )
 from amorsim.cli.console import complain
 from amorsim.cli.start import answer_interrupts
+from amorsim.core.error_text import explain as in_words
 from amorsim.core.errors import AmorsimError
-from amorsim.core.trouble import explain as in_words
 
 __all__ = ["app", "main"]
 

@@ -12,8 +12,8 @@ import typer
 from amorsim.cli.console import say
 from amorsim.cli.options import Changes, RobotName, Seed, Studied
 from amorsim.cli.study import check_out, claim_folder, read_study, table
+from amorsim.core.atomic_files import write_text
 from amorsim.core.errors import AmorsimError
-from amorsim.core.whole_files import write_text
 from amorsim.render.words import with_interval
 
 if TYPE_CHECKING:

@@ -36,14 +36,14 @@ def command(
     Components in files of your own are loaded in another process, which is ended after the time limit. The exit
     status is 0 if the scenario would run, else 2.
     """
+    from amorsim.core.error_text import explain
     from amorsim.core.errors import AmorsimError, Fault, ScenarioError
     from amorsim.core.parameters import ParameterError
-    from amorsim.core.trouble import explain
-    from amorsim.runs.asked import make_simulation, read_scenario
+    from amorsim.runs.scenario_argument import make_simulation, read_scenario
     from amorsim.runs.session import steps_of
-    from amorsim.scenario.code_check import check_code, check_time_limit
-    from amorsim.scenario.programs import without_programs
-    from amorsim.scenario.read import is_model, scenario_for_model
+    from amorsim.scenario.programs.code_check import check_code, check_time_limit
+    from amorsim.scenario.programs.programs import without_programs
+    from amorsim.scenario.reading.read import is_model, scenario_for_model
     from amorsim.simulation.lint import advice
     from amorsim.simulation.sources import source_lines
 
@@ -79,7 +79,7 @@ def command(
     for line in (*(f"{read.map.name}: {warning}" for warning in found), *(() if of_model else advice(read))):
         complain(f"warning: {line}")
     if resolved:
-        from amorsim.scenario.write import resolved_table, table_text
+        from amorsim.scenario.files.write import resolved_table, table_text
 
         say(table_text(resolved_table(simulation.scenario), with_remarks=True).rstrip())
     elif schedule:

@@ -15,7 +15,7 @@ from amorsim.render.words import rounded, significant, with_interval
 
 if TYPE_CHECKING:
     from amorsim.analysis.differences import Comparison
-    from amorsim.sweeps.several import Several
+    from amorsim.sweeps.study_set import StudySet
     from amorsim.sweeps.table import Study
 
 __all__ = ["command"]
@@ -94,11 +94,11 @@ def _several(
     replicas: int,
     seeds: str,
     duration: float | None,
-) -> Several:
+) -> StudySet:
     """What a user wants to simulate and compare."""
     from amorsim.core.errors import AnalysisError
-    from amorsim.runs.asked import look_up
-    from amorsim.sweeps.several import Several
+    from amorsim.runs.scenario_argument import look_up
+    from amorsim.sweeps.study_set import StudySet
 
     try:
         numbers = tuple(int(part) for part in seeds.split(","))
@@ -107,7 +107,7 @@ def _several(
     for name in systems:
         look_up(name)
     compile_once(lambda: None)
-    several = Several(
+    several = StudySet(
         scenarios=tuple(systems),
         metrics=tuple(metrics),
         estimators=tuple(estimators),
@@ -124,7 +124,7 @@ def _several(
     return several
 
 
-def _simulated(several: Several, jobs: int, out: Path | None) -> list[Study]:
+def _simulated(several: StudySet, jobs: int, out: Path | None) -> list[Study]:
     """A study of each scenario, with the same seeds and replicas; goes on with what was begun before."""
     from amorsim.analysis.differences import ABOUT
     from amorsim.core.errors import AnalysisError

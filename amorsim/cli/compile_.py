@@ -31,7 +31,7 @@ def command(
     if archive is None:
         compile_all(quiet, more=True)
         return
-    from amorsim.core.whole_files import check_place
+    from amorsim.core.atomic_files import check_place
     from amorsim.runs.kernel_archive import misfit, pack_kernels, unpack_kernels
 
     if archive.exists():

@@ -45,7 +45,7 @@ def command(
     with the robots that IN has, or else with a Pioneer that wanders. A .world of a scenario has its robots, obstacles
     and landmarks too, as far as Stage can hold them.
     """
-    from amorsim.runs.asked import is_map_alone, look_up, read_world
+    from amorsim.runs.scenario_argument import is_map_alone, look_up, read_world
 
     compile_once(lambda: look_up(source, resolution=resolution, changes=changes or ()))
     if target.suffix.lower() == ".toml":
@@ -66,8 +66,8 @@ def _write_scenario(
     """Write a scenario on the map of a file, read it back, and print what it holds and what was lost."""
     from amorsim.core.lost_cells import lost_cells
     from amorsim.core.reading import is_file
-    from amorsim.runs.asked import read_scenario, scenario_document
-    from amorsim.scenario.map_words import lost_in_words
+    from amorsim.runs.scenario_argument import read_scenario, scenario_document
+    from amorsim.scenario.files.map_words import lost_in_words
 
     before = read_scenario(source, resolution=resolution, changes=changes)
     for warning in (*before.remarks, *before.map.warnings):
@@ -90,10 +90,10 @@ def _write_stage(source: str, target: Path, *, resolution: float | None, changes
     from amorsim.core.lost_cells import lost_cells
     from amorsim.core.reading import is_file
     from amorsim.foreign.stage.write import stage_models
-    from amorsim.runs.asked import placed, read_scenario
-    from amorsim.scenario.map_words import lost_in_words
-    from amorsim.scenario.read import load
-    from amorsim.scenario.resolved import resolved_table
+    from amorsim.runs.scenario_argument import placed, read_scenario
+    from amorsim.scenario.files.map_words import lost_in_words
+    from amorsim.scenario.files.resolved import resolved_table
+    from amorsim.scenario.reading.read import load
 
     before = read_scenario(source, resolution=resolution, changes=changes)
     for warning in (*before.remarks, *before.map.warnings):
@@ -117,9 +117,9 @@ def _counted(count: int, what: str) -> str:
 
 def write_world(world: Map, target: Path, *, force: bool, use: str | None = None, more: str = "") -> None:
     """Write a map into a file, and print how it is read and what was lost. Raises `MapError` as `write_map` does."""
-    from amorsim.scenario.map_words import lost_in_words, needed_options
-    from amorsim.scenario.maps import write_map
-    from amorsim.scenario.write import table_text
+    from amorsim.scenario.files.map_words import lost_in_words, needed_options
+    from amorsim.scenario.files.maps import write_map
+    from amorsim.scenario.files.write import table_text
 
     again, lost = write_map(world, target, force=force, use=use, more=more)
     for warning in again.warnings:

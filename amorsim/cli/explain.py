@@ -11,7 +11,7 @@ import typer
 from amorsim.cli.console import say
 from amorsim.cli.options import Changes, RobotName, Seed, Studied
 from amorsim.cli.study import check_out, claim_folder, draw, read_study, table
-from amorsim.core.whole_files import write_text
+from amorsim.core.atomic_files import write_text
 from amorsim.render.words import percent, significant
 
 if TYPE_CHECKING:

@@ -64,9 +64,9 @@ class Wanted:
                     "makes one"
                 )
             return
+        from amorsim.core.atomic_files import check_place
         from amorsim.core.reading import is_file
-        from amorsim.core.whole_files import check_place
-        from amorsim.runs.reel import check_film
+        from amorsim.runs.video_writer import check_film
 
         for kind, file in self.files.items():
             with in_options():

@@ -47,7 +47,7 @@ def command(
     settings = [f"size=[{size[0]!r}, {size[1]!r}]", *(changes or ())] if size else list(changes or ())
     if replica is not None:
         settings.append('per="replica"')
-    from amorsim.scenario.read import read_generated_alone
+    from amorsim.scenario.reading.read import read_generated_alone
     from amorsim.worlds.drawn import map_of
 
     def look() -> None:

@@ -9,9 +9,9 @@ from typing import Annotated
 import typer
 
 from amorsim.cli.console import say
+from amorsim.core.atomic_files import write_text
 from amorsim.core.errors import RunError
 from amorsim.core.reading import is_file
-from amorsim.core.whole_files import write_text
 
 __all__ = ["command"]
 
@@ -45,7 +45,7 @@ def command(
         raise RunError(f"{folder}: {', '.join(there)} would be replaced; name another folder")
     document = None
     if source is not None:
-        from amorsim.scenario.document import open_document
+        from amorsim.scenario.documents.document import open_document
 
         document = open_document(source)
     try:

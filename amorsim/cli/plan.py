@@ -73,11 +73,11 @@ def command(
 
     The exit status is 1 if there is no path; see the message. A minus sign needs an equals sign: --from=-1,2.
     """
+    from amorsim.core.atomic_files import check_place
     from amorsim.core.errors import AmorsimError
     from amorsim.core.reading import is_file
-    from amorsim.core.whole_files import check_place
-    from amorsim.runs.asked import look_up_world, read_any_world
-    from amorsim.scenario.planners import read_planner
+    from amorsim.runs.scenario_argument import look_up_world, read_any_world
+    from amorsim.scenario.reading.planners import read_planner
 
     ends = (_place("--from", start), _place("--to", goal))
     body = _shape(footprint, robot)
@@ -161,7 +161,7 @@ def _shape(footprint: str | None, robot: str | None) -> Shape | None:
     if footprint is not None and robot is not None:
         raise AmorsimError("--footprint and --robot both say what the footprint is; expected one of them")
     if robot is not None:
-        from amorsim.scenario.robots import load_robot
+        from amorsim.scenario.reading.robots import load_robot
 
         return load_robot(robot).shape
     if footprint is None:
@@ -193,8 +193,8 @@ def _check_picture(out: Path) -> None:
 def _draw(
     world: Map, plan: Plan, ends: tuple[tuple[float, ...], tuple[float, ...]], body: Shape | None, out: Path, title: str
 ) -> None:
+    from amorsim.core.atomic_files import replacing
     from amorsim.core.errors import AmorsimError
-    from amorsim.core.whole_files import replacing
     from amorsim.render.plan_picture import draw_plan
 
     image = draw_plan(world, plan, *ends, footprint=body, title=title)

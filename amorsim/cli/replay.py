@@ -36,7 +36,7 @@ def command(
     becomes a moving picture instead, and no window opens.
     """
     from amorsim.core.errors import AmorsimError
-    from amorsim.runs.about import read_about
+    from amorsim.runs.manifest import read_about
 
     wanted = Wanted(gif=gif, mp4=mp4, size=gif_size, rate=gif_rate, speed=gif_speed, force=force)
     wanted.check()
@@ -56,7 +56,7 @@ def command(
 
 
 def _film(folder: Path, wanted: Wanted, replica: int | None) -> None:
-    from amorsim.ui.simulator.recorded_film import film_recorded
+    from amorsim.ui.simulator.sources.recorded_film import film_recorded
 
     for kind, file in wanted.files.items():
         with in_options():

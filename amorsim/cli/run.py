@@ -65,9 +65,9 @@ def command(
     """
     from amorsim.controllers.navigate import Navigate
     from amorsim.core.errors import AmorsimError
-    from amorsim.runs.asked import look_up, make_simulation, read_scenario, with_options
     from amorsim.runs.folder import check_free
     from amorsim.runs.run import run as run_scenario
+    from amorsim.runs.scenario_argument import look_up, make_simulation, read_scenario, with_options
     from amorsim.simulation.sources import source_lines
 
     if replicas is not None and replica:

@@ -19,7 +19,7 @@ __all__ = ["check_out", "claim_folder", "draw", "read_study", "table"]
 
 def read_study(name: str, changes: Sequence[str] | None, seed: int | None) -> Scenario:
     """The scenario that a user means, with another seed if one is given."""
-    from amorsim.runs.asked import look_up, read_scenario, with_options
+    from amorsim.runs.scenario_argument import look_up, read_scenario, with_options
 
     compile_once(lambda: look_up(name, changes=changes or (), seed=seed))
     return with_options(read_scenario(name, changes=changes or []), seed)

@@ -65,7 +65,7 @@ def command(
 
 
 def _look(study: Path) -> None:
-    from amorsim.scenario.read import check_words
+    from amorsim.scenario.reading.read import check_words
     from amorsim.sweeps.read import read_plan
 
     check_words(read_plan(study).scenario)

@@ -11,7 +11,7 @@ import typer
 from amorsim.cli.console import say
 from amorsim.cli.options import Changes, RobotName, Seed, Studied
 from amorsim.cli.study import check_out, claim_folder, draw, read_study, table
-from amorsim.core.whole_files import write_text
+from amorsim.core.atomic_files import write_text
 
 if TYPE_CHECKING:
     from amorsim.scenario.spec import Scenario
@@ -106,7 +106,7 @@ def _report(found: Umbmark) -> str:
 
 
 def _write(read: Scenario, found: Umbmark, folder: Path) -> None:
-    from amorsim.scenario.write import table_text, with_copies
+    from amorsim.scenario.files.write import table_text, with_copies
     from amorsim.studies.umbmark import corrected_scenario
 
     lines = ["parameters,direction,run,x,y"]
@@ -129,8 +129,8 @@ def _write(read: Scenario, found: Umbmark, folder: Path) -> None:
 
 def _model_text(model: dict[str, Any], found: Umbmark) -> str:
     """The model as a file of its own: what stands under a robot in a scenario, one level higher."""
-    from amorsim.scenario.models import FORMAT
-    from amorsim.scenario.write import table_text
+    from amorsim.scenario.files.models import FORMAT
+    from amorsim.scenario.files.write import table_text
 
     text = re.sub(r"^\[robots\.", "[", table_text({"robots": [model]}), flags=re.MULTILINE)
     exact = found.exact

@@ -40,8 +40,8 @@ def command(
     check_extra()
     check_port(port)
 
-    from amorsim.runs.asked import look_up
     from amorsim.runs.folder import check_free
+    from amorsim.runs.scenario_argument import look_up
     from amorsim.ui.simulator.recipe import Recipe
 
     check_free(out)

@@ -23,9 +23,9 @@ from amorsim.contracts import (
     State,
 )
 from amorsim.controllers.driving import command_along, joints_of
+from amorsim.core.error_text import RAISED, in_words
 from amorsim.core.errors import ControllerError
 from amorsim.core.one_robot import PoseVector, RobotReading, RobotReadings
-from amorsim.core.trouble import RAISED, in_words
 from amorsim.core.user_code import UserCode
 
 __all__ = [

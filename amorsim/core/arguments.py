@@ -17,8 +17,8 @@ from typing import Annotated, Any, Literal, TypeGuard, TypeVar, cast
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.core.error_text import in_words
 from amorsim.core.parameters import ParameterError
-from amorsim.core.trouble import in_words
 
 __all__ = [
     "check_kind",

@@ -13,7 +13,7 @@ from types import FrameType, TracebackType
 
 import numba
 
-from amorsim.core.trouble import users_lines
+from amorsim.core.error_text import users_lines
 
 __all__ = ["Interrupt"]
 

@@ -8,10 +8,10 @@ import os
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from amorsim.core.error_text import in_words
 from amorsim.core.errors import AmorsimError
 from amorsim.core.numbers import is_number
 from amorsim.core.reading import MOST_BYTES, read_bytes, reason
-from amorsim.core.trouble import in_words
 
 __all__ = [
     "Check",

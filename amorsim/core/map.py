@@ -60,7 +60,7 @@ class Map:
     """The parts of its file that were ignored, one message each."""
     name: str = ""
     source: Any = None
-    """The file it was read from, with the loader and its options (`amorsim.scenario.maps.MapFile`), or None."""
+    """The file it was read from, with the loader and its options (`amorsim.scenario.files.maps.MapFile`), or None."""
 
     @classmethod
     def from_segments(

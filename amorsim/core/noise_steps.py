@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.draws import Draws
-from amorsim.core.trouble import in_words
+from amorsim.core.error_text import in_words
 from amorsim.kernels.sensing import noise_steps as kernels
 
 __all__ = ["NoiseProgram", "NoiseStep", "steps_problem"]

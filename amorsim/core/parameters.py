@@ -14,8 +14,8 @@ from typing import Any
 
 import attrs
 
+from amorsim.core.error_text import in_words
 from amorsim.core.errors import AmorsimError, ComponentError
-from amorsim.core.trouble import in_words
 
 __all__ = [
     "COMPONENTS",

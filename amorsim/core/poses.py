@@ -7,8 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.arguments import is_numeric, numbers
+from amorsim.core.error_text import in_words
 from amorsim.core.parameters import ParameterError, parameter
-from amorsim.core.trouble import in_words
 from amorsim.kernels.kinematics import poses as kernels
 
 __all__ = ["Mount", "compose", "exponential", "logarithm", "relative", "wrap_angle"]

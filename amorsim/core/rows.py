@@ -11,9 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.arguments import checked
+from amorsim.core.error_text import in_words
 from amorsim.core.numbers import is_number
 from amorsim.core.parameters import Parameter, ParameterError, describe
-from amorsim.core.trouble import in_words
 
 __all__ = ["signature", "stack", "take"]
 

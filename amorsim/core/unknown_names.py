@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from amorsim.core.error_text import in_words
 from amorsim.core.errors import did_you_mean
-from amorsim.core.trouble import in_words
 
 __all__ = ["no_such", "unknown_key"]
 

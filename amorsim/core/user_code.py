@@ -13,9 +13,9 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.core.error_text import RAISED, error_in_words, in_words
 from amorsim.core.errors import AmorsimError
 from amorsim.core.parameters import parameter
-from amorsim.core.trouble import RAISED, error_in_words, in_words
 
 __all__ = ["UserCode", "go_back", "present_folder"]
 

@@ -10,9 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Context, Draws, Estimate, Estimator, Measurement, RobotModel, State
+from amorsim.core.error_text import RAISED, in_words
 from amorsim.core.errors import ComponentError
 from amorsim.core.one_robot import PoseVector, RobotReadings
-from amorsim.core.trouble import RAISED, in_words
 from amorsim.core.user_code import UserCode
 
 __all__ = ["UserEstimator"]

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from amorsim.controllers.user import PoseVector, RobotClock, RobotEstimate, RobotReading, Twist, WheelSpeeds
+from amorsim.core.error_text import error_in_words
 from amorsim.core.errors import AmorsimError, ControllerError
-from amorsim.core.trouble import error_in_words
-from amorsim.scenario.controller_files import load_controller
+from amorsim.scenario.programs.controller_files import load_controller
 
 __all__ = ["answer_all"]
 

@@ -14,11 +14,11 @@ import attrs
 import numpy as np
 
 from amorsim.controllers.user import UserController
+from amorsim.core.atomic_files import write_text
+from amorsim.core.error_text import RAISED, error_in_words
 from amorsim.core.errors import AmorsimError, RunError, StudyError
 from amorsim.core.reading import is_file
-from amorsim.core.trouble import RAISED, error_in_words
 from amorsim.core.unknown_names import no_such
-from amorsim.core.whole_files import write_text
 from amorsim.grading.fence import Fence, find_fence
 from amorsim.grading.handed_in import HandedIn, hand_in, leads_through_link
 from amorsim.grading.remote import Remote, SubmittedEstimator
@@ -27,7 +27,7 @@ from amorsim.grading.rubric import Rubric, read_rubric
 from amorsim.grading.seeds import Seed, draw_seeds, read_seeds, write_seeds
 from amorsim.grading.text import as_line
 from amorsim.runs.folder import check_free
-from amorsim.scenario.read import load
+from amorsim.scenario.reading.read import load
 from amorsim.scenario.spec import Scenario
 from amorsim.simulation.keeping import Keeper
 from amorsim.simulation.simulation import Simulation

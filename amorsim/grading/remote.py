@@ -19,8 +19,8 @@ import numpy.typing as npt
 
 from amorsim.contracts import Context, Draws, Estimate, Estimator, Measurement, RobotModel, State
 from amorsim.controllers.user import RobotClock, RobotEstimate, RobotReading, Twist, WheelSpeeds
+from amorsim.core.error_text import in_words
 from amorsim.core.errors import ControllerError, StudyError
-from amorsim.core.trouble import in_words
 from amorsim.grading.fence import Fence
 from amorsim.grading.handed_in import HandedIn
 from amorsim.grading.process import SubmissionProcess

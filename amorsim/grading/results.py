@@ -14,7 +14,7 @@ from amorsim.grading.rubric import Rubric
 from amorsim.grading.seeds import Seed
 from amorsim.grading.text import as_line, csv_cell
 from amorsim.reports.page import Page
-from amorsim.scenario.toml_values import as_toml
+from amorsim.scenario.toml.literals import as_toml
 
 __all__ = ["UNFENCED", "Case", "CaseGrade", "Grade", "page_of", "table_of"]
 

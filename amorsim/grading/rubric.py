@@ -11,7 +11,7 @@ from amorsim.core.numbers import is_number
 from amorsim.grading.seeds import MOST_SEED, Seed
 from amorsim.grading.tables import read_tables
 from amorsim.plugins.manager import default_registry
-from amorsim.scenario.faults import Node, shown
+from amorsim.scenario.reading.faults import Node, shown
 from amorsim.sweeps.plan import Measured
 from amorsim.sweeps.read import read_metric
 

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import attrs
 
-from amorsim.core.whole_files import write_text
+from amorsim.core.atomic_files import write_text
 from amorsim.grading.tables import read_tables
-from amorsim.scenario.faults import Node, shown
-from amorsim.scenario.models import FORMAT
-from amorsim.simulation.asked import MAX_REPLICA
+from amorsim.scenario.files.models import FORMAT
+from amorsim.scenario.reading.faults import Node, shown
+from amorsim.simulation.checked_arguments import MAX_REPLICA
 
 __all__ = ["MOST_SEED", "Seed", "draw_seeds", "read_seeds", "write_seeds"]
 

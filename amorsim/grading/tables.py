@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TypeVar
 
 from amorsim.core.errors import ScenarioError, StudyError
-from amorsim.scenario.contents import book_of
-from amorsim.scenario.faults import Node
-from amorsim.scenario.models import check_format, read_file
+from amorsim.scenario.files.models import check_format, read_file
+from amorsim.scenario.reading.contents import book_of
+from amorsim.scenario.reading.faults import Node
 
 __all__ = ["read_tables"]
 

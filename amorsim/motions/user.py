@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Context, Draws, Motion, State, View
+from amorsim.core.error_text import RAISED, in_words
 from amorsim.core.errors import ComponentError
-from amorsim.core.trouble import RAISED, in_words
 from amorsim.core.user_code import UserCode
 from amorsim.motions.ways import displacement
 

@@ -14,9 +14,9 @@ from typing import Any
 import attrs
 
 from amorsim.contracts import Controller, Drive, Estimator, Joint, Motion, Part, Planner
+from amorsim.core.error_text import RAISED, in_words
 from amorsim.core.errors import ComponentError, did_you_mean
 from amorsim.core.parameters import COMPONENTS, FRAMES, REFERS, Parameter, ParameterError, check_value, describe
-from amorsim.core.trouble import RAISED, in_words
 
 __all__ = ["RESERVED", "check_class", "check_name"]
 

@@ -13,8 +13,8 @@ from typing import Any
 
 import pluggy
 
+from amorsim.core.error_text import RAISED, error_in_words
 from amorsim.core.errors import PluginError, did_you_mean
-from amorsim.core.trouble import RAISED, error_in_words
 from amorsim.core.version import version
 from amorsim.plugins.hooks import GROUP, Hooks
 from amorsim.plugins.registry import Plugin, Registry

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
+from amorsim.core.atomic_files import write_bytes
 from amorsim.core.errors import RunError
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.core.patches import Patch
-from amorsim.core.whole_files import write_bytes
 from amorsim.render.marks import COLOURS
 from amorsim.render.video import write_video
 from amorsim.render.words import font, in_words, round_length

@@ -11,10 +11,10 @@ from PIL import Image
 
 from amorsim.contracts import Plan
 from amorsim.core.arguments import check_kind, check_text, numbers
+from amorsim.core.error_text import in_words
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.core.shapes import Shape
-from amorsim.core.trouble import in_words
 from amorsim.render import marks
 from amorsim.render.canvas import FINENESS, Canvas
 from amorsim.render.legend import Item

@@ -10,13 +10,13 @@ import numpy.typing as npt
 from PIL import Image
 
 from amorsim.core.arguments import checked
+from amorsim.core.error_text import in_words
 from amorsim.core.errors import AmorsimError
 from amorsim.core.map import Map
-from amorsim.core.trouble import in_words
 from amorsim.render.picture import checked_size, draw_map, draw_run
 from amorsim.runs.traces import paths_of, things_of
 from amorsim.scenario.spec import Scenario
-from amorsim.simulation.asked import numbers_in_words
+from amorsim.simulation.checked_arguments import numbers_in_words
 from amorsim.simulation.simulation import Simulation
 
 __all__ = ["draw"]

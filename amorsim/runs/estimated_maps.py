@@ -9,7 +9,7 @@ from amorsim.contracts import Frame
 from amorsim.core.errors import AmorsimError
 from amorsim.core.estimated_map import estimated_map
 from amorsim.core.map import Map
-from amorsim.scenario.maps import save_map
+from amorsim.scenario.files.maps import save_map
 from amorsim.simulation.simulation import Simulation
 
 __all__ = ["write_estimated_maps"]

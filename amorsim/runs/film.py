@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from amorsim.runs.reel import Reel, shown_bodies
+from amorsim.runs.video_writer import Reel, shown_bodies
 from amorsim.simulation.simulation import Simulation
 
 __all__ = ["Film"]

@@ -17,9 +17,9 @@ from typing import Any
 import numba
 from llvmlite import binding
 
+from amorsim.core.atomic_files import new_file, replacing
 from amorsim.core.errors import AmorsimError
 from amorsim.core.json_files import parse_json
-from amorsim.core.whole_files import new_file, replacing
 from amorsim.kernels.cache_folder import cache_folder
 
 __all__ = ["misfit", "pack_kernels", "unpack_kernels"]

@@ -9,8 +9,8 @@ from typing import Any
 from amorsim.core.errors import AmorsimError, RunError
 from amorsim.core.json_files import parse_json
 from amorsim.runs.tables import Line, read_lines
-from amorsim.scenario.chains import is_chain
-from amorsim.scenario.faults import shown
+from amorsim.scenario.reading.chains import is_chain
+from amorsim.scenario.reading.faults import shown
 from amorsim.scenario.spec import Distribution
 from amorsim.simulation.simulation import MAX_REPLICA, Simulation
 

@@ -11,10 +11,10 @@ import attrs
 
 from amorsim.core.arguments import checked, path_of
 from amorsim.core.errors import AmorsimError, RunError
-from amorsim.core.left_behind import temporary_folder
-from amorsim.runs.about import RUN_FOLDER, read_about, scenario_of
+from amorsim.core.temporary_folders import temporary_folder
 from amorsim.runs.compare import TOLERANCE, Difference, first_difference
 from amorsim.runs.folder import circumstances, fingerprints
+from amorsim.runs.manifest import RUN_FOLDER, read_about, scenario_of
 from amorsim.runs.replay import Replay
 from amorsim.runs.session import RunSession
 from amorsim.runs.tables import last_line

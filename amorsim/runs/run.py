@@ -10,7 +10,7 @@ from amorsim.core.interrupt import Interrupt
 from amorsim.kernels.cache_folder import mark_warm
 from amorsim.runs.folder import new_folder
 from amorsim.runs.session import RunSession, RunSummary, steps_of
-from amorsim.scenario.read import load
+from amorsim.scenario.reading.read import load
 from amorsim.scenario.spec import Scenario
 from amorsim.simulation.simulation import Simulation
 

@@ -16,19 +16,19 @@ import attrs
 
 from amorsim.contracts import Recorder, RunInfo
 from amorsim.core.arguments import checked
+from amorsim.core.atomic_files import write_bytes
+from amorsim.core.error_text import in_words
 from amorsim.core.errors import RunError
-from amorsim.core.trouble import in_words
 from amorsim.core.user_code import go_back, present_folder
-from amorsim.core.whole_files import write_bytes
 from amorsim.plugins.manager import default_registry, run_finished, run_started
 from amorsim.render.picture import draw_run
-from amorsim.runs.asking import ask, fresh
 from amorsim.runs.estimated_maps import write_estimated_maps
 from amorsim.runs.folder import ABOUT, FORMAT, RunFolder, circumstances, fingerprints, last_time
+from amorsim.runs.recorder_calls import ask, fresh
 from amorsim.runs.traces import Traces, collisions_of
 from amorsim.runs.world_digests import fingerprints_of_worlds
+from amorsim.scenario.files.write import resolved_table, with_copies, write_table
 from amorsim.scenario.spec import Scenario
-from amorsim.scenario.write import resolved_table, with_copies, write_table
 from amorsim.simulation.handle import finite_numbers
 from amorsim.simulation.simulation import MOST_STEPS, Simulation
 

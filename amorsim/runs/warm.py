@@ -18,17 +18,17 @@ from typing import Any
 import numpy as np
 
 from amorsim.contracts import Planner
-from amorsim.core.left_behind import temporary_folder
 from amorsim.core.map import Map
 from amorsim.core.parameters import describe
 from amorsim.core.shapes import Shape
+from amorsim.core.temporary_folders import temporary_folder
 from amorsim.kernels.cache_folder import cache_folder, mark_warm
 from amorsim.planners.d_star_lite import DStarLite
 from amorsim.planners.hybrid_a_star import HybridAStar
 from amorsim.planners.wavefront import Wavefront
 from amorsim.plugins.manager import default_registry, make_registry
 from amorsim.runs.run import run
-from amorsim.scenario.read import load, loads
+from amorsim.scenario.reading.read import load, loads
 from amorsim.scenario.spec import Scenario
 from amorsim.worlds.made import MadeWorld, make_world
 

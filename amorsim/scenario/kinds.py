@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TypeVar
 
 from amorsim.core.arguments import is_list
+from amorsim.core.error_text import in_words
 from amorsim.core.parameters import ParameterError
-from amorsim.core.trouble import in_words
 from amorsim.plugins.checks import check_name
 
 __all__ = ["by_name", "check_colour", "is_a", "many"]

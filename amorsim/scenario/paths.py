@@ -7,9 +7,9 @@ from typing import Any
 
 import attrs
 
+from amorsim.core.error_text import in_words
 from amorsim.core.errors import did_you_mean
 from amorsim.core.parameters import describe
-from amorsim.core.trouble import in_words
 from amorsim.core.unknown_names import no_such
 from amorsim.scenario.spec import Deviation, MountedSensor, NoiseElement, Pose, Robot
 

@@ -6,9 +6,9 @@ import math
 from typing import Any
 
 from amorsim.contracts import Controller, Motion
+from amorsim.core.error_text import RAISED, error_in_words, in_words
 from amorsim.core.errors import ComponentError
 from amorsim.core.numbers import is_number
-from amorsim.core.trouble import RAISED, error_in_words, in_words
 
 __all__ = ["first_place", "goals_of"]
 

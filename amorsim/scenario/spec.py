@@ -20,15 +20,14 @@ from amorsim.contracts import Controller, Drive, Estimator, Motion, Mount, Noise
 from amorsim.controllers.user import UserController
 from amorsim.core.arguments import is_list
 from amorsim.core.distributions import Distribution
+from amorsim.core.error_text import in_words
 from amorsim.core.errors import ComponentError
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError, check_value, describe
 from amorsim.core.shapes import Shape
-from amorsim.core.trouble import in_words
 from amorsim.estimators.user import UserEstimator
 from amorsim.motions.user import UserMotion
 from amorsim.plugins.checks import check_name
-from amorsim.scenario.columns import column_problem, not_for_sensors
 from amorsim.scenario.floor import Drop, Floor, Marking
 from amorsim.scenario.initial_belief import InitialBelief
 from amorsim.scenario.kidnapping import Kidnapping
@@ -37,6 +36,7 @@ from amorsim.scenario.knowledge import Knowledge
 from amorsim.scenario.places import first_place
 from amorsim.scenario.pose import Pose
 from amorsim.scenario.random_start import RandomStart
+from amorsim.scenario.reading.columns import column_problem, not_for_sensors
 from amorsim.scenario.surroundings import Landmark, Light
 
 __all__ = [

@@ -9,12 +9,12 @@ import numpy.typing as npt
 
 from amorsim.contracts import RobotModel, SensorModel
 from amorsim.core.arguments import whole
+from amorsim.core.error_text import RAISED, error_in_words
 from amorsim.core.errors import ComponentError
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.core.rows import signature, stack
-from amorsim.core.trouble import RAISED, error_in_words
-from amorsim.scenario.columns import columns_problem
+from amorsim.scenario.reading.columns import columns_problem
 from amorsim.scenario.spec import MountedSensor, Robot
 from amorsim.worlds.drawn import origin_of
 

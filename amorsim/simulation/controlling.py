@@ -21,12 +21,12 @@ from amorsim.contracts import (
     RobotModel,
     State,
 )
+from amorsim.core.error_text import RAISED
 from amorsim.core.rows import stack, take
-from amorsim.core.trouble import RAISED
 from amorsim.kernels.numbers import all_finite
 from amorsim.scenario.spec import Robot
 from amorsim.simulation.beliefs import BeliefsNow, beliefs_problem, chosen
-from amorsim.simulation.blame import Whose, is_finite
+from amorsim.simulation.error_context import ErrorContext, is_finite
 from amorsim.simulation.row_clock import RowClock
 
 __all__ = ["Driver", "report_problem"]
@@ -50,7 +50,7 @@ class Driver:
         `(N, 1)` whether the row is driven from outside, by the command `hand` `(N, c)`.
     """
 
-    def __init__(self, rows: int, channels: Sequence[str], of_drive: int, draws: Draws, whose: Whose) -> None:
+    def __init__(self, rows: int, channels: Sequence[str], of_drive: int, draws: Draws, whose: ErrorContext) -> None:
         self._channels = channels
         self._of_drive = of_drive  # number of channels of the drive
         self._draws = draws
@@ -183,7 +183,7 @@ class Driver:
         return command
 
     def blame(self, error: BaseException) -> NoReturn:
-        """Raise the controller's exception as `Whose.blame` does."""
+        """Raise the controller's exception as `ErrorContext.blame` does."""
         self._whose.blame("controller", self.controller, error)
 
     def reports(self) -> list[tuple[int, str, Any]]:

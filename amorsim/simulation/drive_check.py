@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 
 from amorsim.contracts import Drive
+from amorsim.core.error_text import RAISED
 from amorsim.core.rows import take
-from amorsim.core.trouble import RAISED
-from amorsim.simulation.blame import Whose, array_problem
+from amorsim.simulation.error_context import ErrorContext, array_problem
 
 __all__ = ["check_drive"]
 
 _MOST = 2  # rows that are asked: as many as show an answer that is for one robot alone
 
 
-def check_drive(drive: Drive, rows: int, whose: Whose) -> None:
+def check_drive(drive: Drive, rows: int, whose: ErrorContext) -> None:
     """Raise a `ComponentError` if a drive of `rows` robots answers with other than numbers of the contract's shapes.
 
     A method that raises is passed over here: its error is reported when it is called, if it ever is.

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from amorsim.contracts import Emission
-from amorsim.core.trouble import RAISED
-from amorsim.simulation.blame import array_problem
+from amorsim.core.error_text import RAISED
+from amorsim.simulation.error_context import array_problem
 from amorsim.simulation.group import Group
 from amorsim.simulation.world.world import Emitted, World
 

@@ -21,13 +21,13 @@ from amorsim.contracts import (
     RobotModel,
     State,
 )
+from amorsim.core.error_text import RAISED, in_words
 from amorsim.core.errors import ComponentError
 from amorsim.core.rows import stack
-from amorsim.core.trouble import RAISED, in_words
 from amorsim.kernels.numbers import all_finite
 from amorsim.scenario.spec import Robot
 from amorsim.simulation.beliefs import Believer, beliefs_problem, chosen
-from amorsim.simulation.blame import Whose, array_problem, is_finite
+from amorsim.simulation.error_context import ErrorContext, array_problem, is_finite
 from amorsim.simulation.feeding import FeedingError, estimate_readings, feeding_order
 from amorsim.simulation.row_clock import RowClock
 
@@ -48,7 +48,7 @@ class Estimators:
         The estimate of each; without estimators, the start pose that the robots know.
     """
 
-    def __init__(self, draws: Mapping[str, Draws], whose: Whose, row_clock: RowClock) -> None:
+    def __init__(self, draws: Mapping[str, Draws], whose: ErrorContext, row_clock: RowClock) -> None:
         self._draws = draws
         self._whose = whose
         self._row_clock = row_clock

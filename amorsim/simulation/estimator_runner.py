@@ -12,14 +12,14 @@ import numpy.typing as npt
 
 from amorsim.contracts import Beliefs, Context, Estimate, Estimator, Measurement
 from amorsim.core.arguments import check_kind, whole
+from amorsim.core.error_text import in_words
 from amorsim.core.errors import AmorsimError, ComponentError, did_you_mean
-from amorsim.core.trouble import in_words
-from amorsim.scenario.programs import loaded_robot
+from amorsim.scenario.programs.programs import loaded_robot
 from amorsim.scenario.spec import Robot
 from amorsim.simulation.alike import channels_of, reading_size, robot_model
-from amorsim.simulation.asked import checked_seed
-from amorsim.simulation.blame import Whose
+from amorsim.simulation.checked_arguments import checked_seed
 from amorsim.simulation.drive_check import check_drive
+from amorsim.simulation.error_context import ErrorContext
 from amorsim.simulation.estimating import Estimators
 from amorsim.simulation.feeding import FeedingError, feeding_order
 from amorsim.simulation.first_beliefs import BELIEF, first_beliefs
@@ -109,7 +109,7 @@ class EstimatorRunner:
         self._model = robot_model([robot], self._sizes, channels_of(robot), self._dt)
         self._clock = RowClock(np.array([replica]), self._dt)
         self._streams = Streams(seed or 0, [robot.name], self._clock.counter)
-        whose = Whose("robot", [robot.name], self._clock)
+        whose = ErrorContext("robot", [robot.name], self._clock)
         check_drive(self._model.drive, 1, whose)
         draws = {one: self._streams.draws("estimator", one) for one in robot.estimators}
         self._estimators = Estimators(draws, whose, self._clock)

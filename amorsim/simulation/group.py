@@ -30,11 +30,11 @@ from amorsim.kernels.text import digest
 from amorsim.scenario.spec import Robot, Zone
 from amorsim.simulation.alike import channels_of, poses_of, reading_size, robot_model
 from amorsim.simulation.beliefs import BeliefsNow, beliefs_of_step
-from amorsim.simulation.blame import Whose, of_drive
 from amorsim.simulation.contact.moved_parts import Parts
 from amorsim.simulation.contact.sliding import arcs, bounds, displaced, part_bounds
 from amorsim.simulation.controlling import Driver
 from amorsim.simulation.drive_check import check_drive
+from amorsim.simulation.error_context import ErrorContext, of_drive
 from amorsim.simulation.estimating import Estimators
 from amorsim.simulation.first_beliefs import BELIEF, first_beliefs
 from amorsim.simulation.row_clock import RowClock
@@ -80,7 +80,7 @@ class Group:
         self.dt = dt
         self.seed = seed
         self.row_clock = RowClock(replica, dt)
-        self.whose = Whose("robot", self.names, self.row_clock)
+        self.whose = ErrorContext("robot", self.names, self.row_clock)
         self.world = world
         self.is_bound = False  # whether `calls` are those for the present parameters and states
         joints = len(robots[0].drive.joints)
@@ -262,7 +262,7 @@ class Group:
             yield Call("actuate", f"{self.label} / ground", self._move_over_ground, self.blame)
 
     def blame(self, error: BaseException) -> NoReturn:
-        """Raise the drive's exception as `Whose.blame` does."""
+        """Raise the drive's exception as `ErrorContext.blame` does."""
         self.whose.blame("drive", self.drive, error)
 
     def estimate_calls(self) -> Iterator[Call]:

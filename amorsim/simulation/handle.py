@@ -11,9 +11,9 @@ import numpy.typing as npt
 
 from amorsim.controllers.driving import command_along, joints_of
 from amorsim.controllers.manual import limited
+from amorsim.core.error_text import in_words
 from amorsim.core.errors import AmorsimError
 from amorsim.core.parameters import LARGEST
-from amorsim.core.trouble import in_words
 from amorsim.core.unknown_names import no_such
 
 if TYPE_CHECKING:

@@ -10,14 +10,14 @@ import numpy.typing as npt
 import shapely
 
 from amorsim.contracts import Controller, Motion
+from amorsim.core.connectivity import shut_off
 from amorsim.core.errors import ComponentError, MapError
 from amorsim.core.map import Map
 from amorsim.core.starts import out_of_reach
-from amorsim.core.ways import shut_off
 from amorsim.scenario.paths import changed
 from amorsim.scenario.places import goals_of
+from amorsim.scenario.reading.worlds import start_of
 from amorsim.scenario.spec import Obstacle, Robot, Scenario
-from amorsim.scenario.worlds import start_of
 from amorsim.worlds.drawn import map_of, origin_of
 
 __all__ = ["REPLICAS", "advice"]

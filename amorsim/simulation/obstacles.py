@@ -9,14 +9,14 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Context, Motion, ObstacleFrame, State
+from amorsim.core.error_text import RAISED
 from amorsim.core.errors import AmorsimError
 from amorsim.core.poses import compose
 from amorsim.core.rows import stack
-from amorsim.core.trouble import RAISED
 from amorsim.kernels.collision.paths import LINE
 from amorsim.kernels.text import digest
 from amorsim.scenario.spec import Obstacle
-from amorsim.simulation.blame import Whose, array_problem
+from amorsim.simulation.error_context import ErrorContext, array_problem
 from amorsim.simulation.row_clock import RowClock
 from amorsim.simulation.sensing.noise_chain import Streams
 from amorsim.simulation.world.sensor_view import GroupView
@@ -39,7 +39,7 @@ class ObstacleGroup:
         self.specified = self.obstacles
         self.bodies = bodies
         self.row_clock = RowClock(replica, dt)
-        self.whose = Whose("obstacle", self.names, self.row_clock)
+        self.whose = ErrorContext("obstacle", self.names, self.row_clock)
         self.view = GroupView(world, bodies, dt)
         self.streams = Streams(seed, self.names, self.row_clock.counter, world.workers)
         self.draws = self.streams.draws("motion")
@@ -99,7 +99,7 @@ class ObstacleGroup:
         return LINE, lambda: np.copyto(motion, self.proposed)
 
     def blame(self, error: BaseException) -> NoReturn:
-        """Raise the motion's exception as `Whose.blame` does."""
+        """Raise the motion's exception as `ErrorContext.blame` does."""
         self.whose.blame("motion", self.motion, error)
 
     def bad_motion(self, motion: Array) -> AmorsimError:

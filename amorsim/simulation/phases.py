@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.errors import AmorsimError
-from amorsim.simulation.blame import is_finite
 from amorsim.simulation.contact.contact_ends import still_near
 from amorsim.simulation.contact.resolve import WALL, Contact
 from amorsim.simulation.emissions import collect
+from amorsim.simulation.error_context import is_finite
 from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.group import Group
 from amorsim.simulation.obstacles import ObstacleGroup

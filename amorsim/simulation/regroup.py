@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Estimate, Frame, Measurement
 from amorsim.core.rows import signature
-from amorsim.scenario.chains import chain_at, paths_of_chains, with_chain
+from amorsim.scenario.reading.chains import chain_at, paths_of_chains, with_chain
 from amorsim.scenario.spec import NoiseElement, Robot
 from amorsim.simulation.alike import group_key, robot_model
 from amorsim.simulation.fleet import Fleet

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, NamedTuple, NoReturn
 
 from amorsim.core.arguments import whole
-from amorsim.core.trouble import RAISED
+from amorsim.core.error_text import RAISED
 
 __all__ = ["PHASES", "Call", "Schedule", "walk"]
 

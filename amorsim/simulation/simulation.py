@@ -10,17 +10,23 @@ import numpy.typing as npt
 
 from amorsim.contracts import Frame, ObstacleFrame
 from amorsim.core.arguments import check_kind, checked, real, whole
+from amorsim.core.error_text import in_words
 from amorsim.core.errors import AmorsimError
 from amorsim.core.interrupt import Interrupt
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
-from amorsim.core.trouble import in_words
 from amorsim.core.unknown_names import no_such
-from amorsim.scenario.chains import is_chain
-from amorsim.scenario.programs import loaded
+from amorsim.scenario.programs.programs import loaded
+from amorsim.scenario.reading.chains import is_chain
 from amorsim.scenario.spec import Scenario
 from amorsim.simulation import changes, phases
-from amorsim.simulation.asked import MAX_REPLICA, MOST_STEPS, checked_seed, numbers_in_words, replica_numbers
+from amorsim.simulation.checked_arguments import (
+    MAX_REPLICA,
+    MOST_STEPS,
+    checked_seed,
+    numbers_in_words,
+    replica_numbers,
+)
 from amorsim.simulation.events import Event
 from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.gathering import digest_of, gathered, touching_robots

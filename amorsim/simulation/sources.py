@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from amorsim.core.error_text import RAISED, error_in_words
 from amorsim.core.errors import ComponentError
-from amorsim.core.trouble import RAISED, error_in_words
 from amorsim.scenario.spec import Scenario
 
 __all__ = ["source_lines"]

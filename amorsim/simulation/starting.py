@@ -11,8 +11,8 @@ import numpy.typing as npt
 
 from amorsim.core.map import Map
 from amorsim.scenario.floor import Floor
+from amorsim.scenario.reading.worlds import start_of
 from amorsim.scenario.spec import Landmark, Light, Obstacle, Robot
-from amorsim.scenario.worlds import start_of
 from amorsim.simulation.placing import draw_starts
 from amorsim.simulation.world.surroundings import Surroundings
 from amorsim.simulation.world.terrain import Terrain

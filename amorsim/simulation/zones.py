@@ -14,7 +14,7 @@ from amorsim.core.crossings import contains, share_rolled, share_within
 from amorsim.core.poses import compose
 from amorsim.core.shapes import Shape
 from amorsim.scenario.spec import Zone
-from amorsim.simulation.blame import Whose
+from amorsim.simulation.error_context import ErrorContext
 from amorsim.simulation.sensing.noise_chain import Chain, Streams
 
 __all__ = ["Zones", "contact_points", "zone_streams"]
@@ -33,7 +33,7 @@ def zone_streams(zones: Sequence[Zone]) -> list[tuple[str, ...]]:
 class Zones:
     """The zones of a scenario, in order, with the states and draws of a group's rows in each."""
 
-    def __init__(self, zones: Sequence[Zone], rows: int, streams: Streams, whose: Whose) -> None:
+    def __init__(self, zones: Sequence[Zone], rows: int, streams: Streams, whose: ErrorContext) -> None:
         self._zones = [zone for zone in zones if zone.ground]
         self._chains = [Chain(zone.ground, streams, whose, "zone", zone.name) for zone in self._zones]
         for zone, chain in zip(self._zones, self._chains, strict=True):

@@ -17,13 +17,13 @@ import numpy.typing as npt
 
 from amorsim.contracts import Episode
 from amorsim.core.arguments import texts
+from amorsim.core.error_text import RAISED, error_in_words
 from amorsim.core.errors import AmorsimError, ComponentError, ScenarioError, StudyError
 from amorsim.core.parameters import ParameterError
-from amorsim.core.trouble import RAISED, error_in_words
 from amorsim.core.unknown_names import no_such
 from amorsim.runs.session import RunSession
-from amorsim.scenario.programs import loaded_component
-from amorsim.scenario.read import load
+from amorsim.scenario.programs.programs import loaded_component
+from amorsim.scenario.reading.read import load
 from amorsim.scenario.spec import Scenario
 from amorsim.simulation.keeping import Keeper
 from amorsim.simulation.simulation import Simulation

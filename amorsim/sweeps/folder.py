@@ -9,6 +9,8 @@ from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from amorsim.core.atomic_files import create_text, write_text
+from amorsim.core.error_text import in_words
 from amorsim.core.errors import AmorsimError, RunError, StudyError
 from amorsim.core.json_files import (
     Key,
@@ -21,16 +23,14 @@ from amorsim.core.json_files import (
     read_table,
     table_of,
 )
-from amorsim.core.left_behind import temporary_folder
 from amorsim.core.reading import is_file
-from amorsim.core.trouble import in_words
-from amorsim.core.whole_files import create_text, write_text
-from amorsim.runs.about import read_about
+from amorsim.core.temporary_folders import temporary_folder
 from amorsim.runs.folder import check_free, circumstances, fingerprints
-from amorsim.scenario.beside import files_beside
-from amorsim.scenario.read import load
+from amorsim.runs.manifest import read_about
+from amorsim.scenario.files.write import table_text, with_copies
+from amorsim.scenario.programs.local_imports import files_beside
+from amorsim.scenario.reading.read import load
 from amorsim.scenario.spec import Scenario
-from amorsim.scenario.write import table_text, with_copies
 from amorsim.sweeps.chunk import Outcome
 from amorsim.sweeps.judged import about_metric
 from amorsim.sweeps.plan import Plan

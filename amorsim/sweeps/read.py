@@ -18,13 +18,13 @@ from amorsim.core.reading import is_file
 from amorsim.core.unknown_names import no_such
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
-from amorsim.scenario.contents import book_of
-from amorsim.scenario.faults import Book, Node, Source, shown
-from amorsim.scenario.fields import read_component
-from amorsim.scenario.models import check_format, read_file
+from amorsim.scenario.files.models import check_format, read_file
+from amorsim.scenario.programs.user_components import program_in, read_program_in
+from amorsim.scenario.reading.contents import book_of
+from amorsim.scenario.reading.faults import FaultCollector, Node, Source, shown
+from amorsim.scenario.reading.fields import read_component
 from amorsim.scenario.spec import Scenario
-from amorsim.scenario.toml_values import as_toml, plain
-from amorsim.scenario.user_components import program_in, read_program_in
+from amorsim.scenario.toml.literals import as_toml, plain
 from amorsim.simulation.simulation import MAX_REPLICA
 from amorsim.sweeps.plan import COLUMNS, Axis, Measured, Plan
 
@@ -48,7 +48,7 @@ def read_plan(study: str | os.PathLike[str] | Mapping[str, Any], *, registry: Re
     """
     registry = registry or default_registry()
     if isinstance(study, Mapping):
-        book, name = Book(Source(file="", folder=Path.cwd())), "study"
+        book, name = FaultCollector(Source(file="", folder=Path.cwd())), "study"
         try:
             tables = plain(study)
         except DocumentError as error:
@@ -70,7 +70,7 @@ def read_plan(study: str | os.PathLike[str] | Mapping[str, Any], *, registry: Re
     return plan
 
 
-def _with_folder(book: Book, path: Path) -> Book:
+def _with_folder(book: FaultCollector, path: Path) -> FaultCollector:
     book.set_source((), Source(file=str(path), folder=path.absolute().parent))
     return book
 

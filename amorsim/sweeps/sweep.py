@@ -10,19 +10,19 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from amorsim.core.arguments import path_of, whole
+from amorsim.core.error_text import in_words
 from amorsim.core.errors import AmorsimError, StudyError
 from amorsim.core.parameters import ParameterError
-from amorsim.core.trouble import in_words
 from amorsim.runs.folder import RUNS
-from amorsim.scenario.read import load
+from amorsim.scenario.reading.read import load
 from amorsim.scenario.spec import Scenario
 from amorsim.simulation.keeping import Keeper
 from amorsim.simulation.simulation import Simulation
 from amorsim.sweeps.chunk import Outcome, quantities, robot_of, with_metrics
+from amorsim.sweeps.executors import Work, check_cluster, in_processes, in_this_process, on_cluster
 from amorsim.sweeps.folder import StudyFolder
 from amorsim.sweeps.plan import Axis, Plan
 from amorsim.sweeps.read import read_plan
-from amorsim.sweeps.spread import Work, check_cluster, in_processes, in_this_process, on_cluster
 from amorsim.sweeps.table import Study, read_study, write_tables
 
 __all__ = ["Progress", "sweep"]

@@ -13,10 +13,10 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.arguments import checked, path_of
+from amorsim.core.atomic_files import replacing
 from amorsim.core.errors import StudyError
 from amorsim.core.memory import too_large
 from amorsim.core.reading import check_readable, is_file
-from amorsim.core.whole_files import replacing
 from amorsim.sweeps.chunk import Outcome
 from amorsim.sweeps.folder import read_study_about
 from amorsim.sweeps.plan import Plan

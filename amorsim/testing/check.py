@@ -26,10 +26,10 @@ from amorsim.contracts import (
     Sensor,
     WorldGenerator,
 )
+from amorsim.core.error_text import RAISED, error_in_words
 from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import describe
 from amorsim.core.rows import stack
-from amorsim.core.trouble import RAISED, error_in_words
 from amorsim.plugins.checks import check_class
 from amorsim.scenario.places import first_place, goals_of
 from amorsim.scenario.spec import Scenario

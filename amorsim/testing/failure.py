@@ -8,8 +8,8 @@ from typing import NoReturn
 
 import numpy as np
 
+from amorsim.core.error_text import RAISED, error_in_words
 from amorsim.core.errors import ComponentError
-from amorsim.core.trouble import RAISED, error_in_words
 
 __all__ = ["CheckError", "Who", "array_in_words"]
 

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Aim, Controller, Emission, Estimate, Estimator, Motion, Noise, Sensor, State
 from amorsim.core.noise_steps import steps_problem
-from amorsim.scenario.columns import columns_problem
+from amorsim.scenario.reading.columns import columns_problem
 from amorsim.simulation.beliefs import beliefs_problem
 from amorsim.simulation.controlling import report_problem
 from amorsim.simulation.emissions import emission_problem

@@ -8,11 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from amorsim.contracts import Plan, Planner
+from amorsim.core.error_text import RAISED, error_in_words, in_words
 from amorsim.core.errors import PlanError
 from amorsim.core.map import Map
 from amorsim.core.numbers import is_number
 from amorsim.core.shapes import Shape
-from amorsim.core.trouble import RAISED, error_in_words, in_words
 from amorsim.testing.failure import Who, array_in_words
 
 __all__ = ["check_planner"]

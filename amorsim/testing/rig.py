@@ -26,8 +26,8 @@ from amorsim.core.poses import compose, logarithm
 from amorsim.core.rows import stack, take
 from amorsim.core.shapes import Shape
 from amorsim.drives.differential import Differential
+from amorsim.scenario.reading.worlds import start_of
 from amorsim.scenario.spec import Drop, Floor, Landmark, Light, Marking, Obstacle, Pose, Scenario
-from amorsim.scenario.worlds import start_of
 from amorsim.sensors.compass import Compass
 from amorsim.sensors.encoder import Encoder
 from amorsim.sensors.gyro import Gyro

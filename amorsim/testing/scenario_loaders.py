@@ -6,8 +6,8 @@ import tempfile
 from pathlib import Path
 
 from amorsim.contracts import ScenarioDocument, ScenarioLoader
+from amorsim.core.error_text import RAISED, error_in_words
 from amorsim.core.errors import ScenarioError
-from amorsim.core.trouble import RAISED, error_in_words
 from amorsim.testing.failure import Who
 
 __all__ = ["check_scenario_loader"]

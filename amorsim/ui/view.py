@@ -13,14 +13,14 @@ from typing import Any
 import attrs
 
 from amorsim.core.errors import AmorsimError, Fault, ScenarioError
-from amorsim.core.left_behind import temporary_folder
+from amorsim.core.temporary_folders import temporary_folder
 from amorsim.core.user_code import UserCode
 from amorsim.runs.session import run_name
-from amorsim.scenario.controller_files import reference_to
+from amorsim.scenario.files.write import with_maps, write_table
+from amorsim.scenario.programs.controller_files import reference_to
 from amorsim.scenario.spec import Robot, Scenario
-from amorsim.scenario.write import with_maps, write_table
-from amorsim.ui.simulator.orphan import is_child
-from amorsim.ui.simulator.pipes import python_for
+from amorsim.ui.simulator.process.orphan import is_child
+from amorsim.ui.simulator.process.pipes import python_for
 from amorsim.ui.simulator.recipe import Recipe
 from amorsim.ui.simulator.show import check_extra
 

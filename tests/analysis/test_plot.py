@@ -15,7 +15,7 @@ import amorsim as am
 from amorsim.analysis.figures import save_figure
 from amorsim.analysis.files import RunFiles
 from amorsim.analysis.plot import plot_run
-from amorsim.core.whole_files import write_text
+from amorsim.core.atomic_files import write_text
 from tests.studies import make_study
 
 pytest.importorskip("matplotlib")

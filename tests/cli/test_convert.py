@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import amorsim as am
-from amorsim.core import whole_files
+from amorsim.core import atomic_files
 from amorsim.core.same_cells import have_same_cells
 from tests.cli.conftest import Command
 
@@ -176,7 +176,7 @@ def test_a_world_of_stage_comes_whole_with_its_bodies_or_not_at_all(
             seen.append((folder / target.name).read_text())
             raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(whole_files, "_sync_all", no_space)
+    monkeypatch.setattr(atomic_files, "_sync_all", no_space)
     result = amorsim("convert", "landmarks", "marks.world", "--set", "world.resolution=0.05", "--force")
     assert result.status == 2, result.err
     assert "No space left on device" in result.err

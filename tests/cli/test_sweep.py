@@ -11,7 +11,7 @@ import pytest
 
 import amorsim as am
 from amorsim.cli.progress import study_progress
-from amorsim.sweeps import spread
+from amorsim.sweeps import executors
 from amorsim.sweeps.sweep import Progress
 from tests.cli.conftest import Command
 from tests.sweeps.studies import TRACK, study_file, tables
@@ -161,8 +161,8 @@ class Interrupted:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.done, self.last = 0, -1
-        self._run = spread.run_chunk
-        monkeypatch.setattr(spread, "run_chunk", self)
+        self._run = executors.run_chunk
+        monkeypatch.setattr(executors, "run_chunk", self)
 
     def __call__(self, *arguments: Any) -> Any:
         if self.done == self.last:

@@ -10,7 +10,7 @@ import amorsim as am
 from amorsim.controllers.planning import Ways
 from amorsim.core.parameters import ParameterError
 from amorsim.kernels.avoidance.memory import Window
-from amorsim.scenario.resolved import resolved_table
+from amorsim.scenario.files.resolved import resolved_table
 from tests.building import write_rover
 from tests.controllers.test_dwa import ROOM, make, said, simulate
 

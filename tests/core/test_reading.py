@@ -14,8 +14,8 @@ from amorsim.core.errors import AmorsimError
 from amorsim.core.reading import MOST_BYTES, check_readable, is_file, read_bytes, read_text, reason
 from amorsim.motions.track import Track
 from amorsim.runs.folder import check_free
-from amorsim.scenario.controller_files import load_controller
-from amorsim.scenario.read import is_model
+from amorsim.scenario.programs.controller_files import load_controller
+from amorsim.scenario.reading.read import is_model
 
 LONG = "n" * 300
 

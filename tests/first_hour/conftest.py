@@ -18,7 +18,7 @@ import pytest
 
 from amorsim.cli import main
 from amorsim.grading.rubric import read_rubric
-from amorsim.scenario.read import loads
+from amorsim.scenario.reading.read import loads
 from amorsim.sweeps.read import read_plan
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -15,7 +15,8 @@ from PIL import Image
 
 import amorsim as am
 from amorsim.cli.app import app
-from amorsim.scenario import contents, models, robots
+from amorsim.scenario.files import models
+from amorsim.scenario.reading import contents, robots
 from tests.first_hour.conftest import ROOT, Page, blocks_of, check_output
 from tests.grading.courses import needs_fence
 

@@ -21,9 +21,9 @@ from amorsim.maps.bmp import Bitmap
 from amorsim.maps.wld import Wld
 from amorsim.motions.track import read_track
 from amorsim.plugins.manager import make_registry
-from amorsim.scenario.angles import parse_float
-from amorsim.scenario.read import loads
-from amorsim.scenario.resolved import resolved
+from amorsim.scenario.files.resolved import resolved
+from amorsim.scenario.reading.read import loads
+from amorsim.scenario.toml.angles import parse_float
 from tests.fuzz.api import Api
 from tests.fuzz.damage import damaged
 from tests.fuzz.foreign import FOREIGN

@@ -10,7 +10,7 @@ import pytest
 
 import amorsim as am
 from amorsim.core.starts import least_gaps
-from amorsim.scenario.read import scenario_for_map
+from amorsim.scenario.reading.read import scenario_for_map
 from amorsim.testing import check_component
 from tests.fuzz.maps import LOADERS, MAPS
 
@@ -61,7 +61,7 @@ def test_the_contract_is_kept(tmp_path: Path, ending: str) -> None:
 @pytest.mark.parametrize("ending", LOADERS)
 def test_the_first_bytes_tell(tmp_path: Path, ending: str) -> None:
     from amorsim.plugins.manager import make_registry
-    from amorsim.scenario.maps import find_loader
+    from amorsim.scenario.files.maps import find_loader
 
     path = tmp_path / "world"
     path.write_bytes(MAPS[ending])

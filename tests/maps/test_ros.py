@@ -79,7 +79,7 @@ def test_real_maps_cell_by_cell(name: str, unknown: str) -> None:
 
 @pytest.mark.parametrize("name", ["depot", "turtlebot3_world", "willow-full-0.05"])
 def test_a_robot_starts_where_a_real_map_is_known_to_be_free(name: str) -> None:
-    from amorsim.scenario.read import scenario_for_map
+    from amorsim.scenario.reading.read import scenario_for_map
 
     path = MAPS / f"{name}.yaml"
     if not path.is_file():
@@ -286,7 +286,7 @@ def test_any_cells_come_back(tmp_path_factory, kinds, as_what, origin, resolutio
 
 
 def test_the_picture_is_named_relative_to_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from amorsim.scenario.maps import companions_of
+    from amorsim.scenario.files.maps import companions_of
 
     (tmp_path / "maps").mkdir()
     write(tmp_path / "maps", [[0, 255]])
@@ -297,7 +297,7 @@ def test_the_picture_is_named_relative_to_the_file(tmp_path: Path, monkeypatch: 
 
 @pytest.mark.parametrize("folder", ["run", "{}/run"])
 def test_a_copy_takes_the_picture_along(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, folder: str) -> None:
-    from amorsim.scenario.copies import Copies
+    from amorsim.scenario.files.copies import Copies
     from amorsim.testing import check_component
 
     path = write(tmp_path, np.full((40, 40), 255), resolution=0.1)

@@ -11,8 +11,8 @@ import pytest
 
 import amorsim as am
 from amorsim.core.starts import least_gaps
-from amorsim.runs.asked import read_scenario
-from amorsim.scenario.foreign import find_scenario_loader
+from amorsim.runs.scenario_argument import read_scenario
+from amorsim.scenario.files.foreign import find_scenario_loader
 
 MAPS = Path(__file__).resolve().parents[3] / "shared" / "maps"
 TOO_SMALL = {"serp-sm.wld"}  # for a Pioneer

@@ -9,7 +9,7 @@ import pytest
 
 import amorsim as am
 from amorsim.core.shapes import Shape
-from amorsim.scenario import read
+from amorsim.scenario.reading import read
 from amorsim.scenario.spec import Obstacle
 from tests.building import empty
 

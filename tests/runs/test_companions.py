@@ -13,8 +13,8 @@ import pytest
 
 import amorsim as am
 from amorsim.plugins import manager
-from amorsim.scenario.maps import MapFile, companions_of
-from amorsim.scenario.write import with_copies
+from amorsim.scenario.files.maps import MapFile, companions_of
+from amorsim.scenario.files.write import with_copies
 
 ROOM = "######\n#    #\n#    #\n######\n"
 SCENARIO = """

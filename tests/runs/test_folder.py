@@ -9,8 +9,8 @@ import pytest
 
 import amorsim as am
 from amorsim.analysis import export_run
-from amorsim.runs.about import read_about
 from amorsim.runs.folder import last_time, tables_of
+from amorsim.runs.manifest import read_about
 
 
 @pytest.fixture(scope="module")

@@ -6,8 +6,8 @@ import pytest
 
 from amorsim.core.errors import ScenarioError
 from amorsim.plugins.manager import make_registry
-from amorsim.scenario.angles import parse_float
-from amorsim.scenario.read import loads
+from amorsim.scenario.reading.read import loads
+from amorsim.scenario.toml.angles import parse_float
 
 ROOM = "width 4000\nheight 3000\n0 0 4000 0\n4000 0 4000 3000\n4000 3000 0 3000\n0 3000 0 0\nposition 1000 1500 90\n"
 

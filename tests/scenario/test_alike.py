@@ -9,8 +9,8 @@ import attrs
 import pytest
 
 import amorsim as am
-from amorsim.scenario import contents
-from amorsim.scenario.resolved import resolved_table
+from amorsim.scenario.files.resolved import resolved_table
+from amorsim.scenario.reading import contents
 
 HEAD = """format = 1
 world.map = "room.wld"

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from amorsim.scenario.angles import LongDegrees, parse_float, to_degrees, to_radians
+from amorsim.scenario.toml.angles import LongDegrees, parse_float, to_degrees, to_radians
 
 ANGLES = st.floats(allow_nan=False, allow_infinity=False, min_value=-1e6, max_value=1e6)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import amorsim as am
 from amorsim.runs.traces import Traces
 from amorsim.scenario.colours import robot_colours
-from amorsim.ui.simulator.scenes import SceneBuilder
+from amorsim.ui.simulator.frames.scenes import SceneBuilder
 from tests import building
 
 

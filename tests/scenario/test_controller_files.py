@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from amorsim.core.errors import ControllerError
-from amorsim.scenario.controller_files import load_controller, split_reference
+from amorsim.scenario.programs.controller_files import load_controller, split_reference
 
 
 @pytest.fixture

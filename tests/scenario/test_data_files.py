@@ -12,9 +12,9 @@ import pytest
 
 import amorsim as am
 from amorsim.plugins import manager
-from amorsim.scenario.model_files import save_robot
-from amorsim.scenario.names import name_from
-from amorsim.scenario.write import resolved_table, table_text, with_copies
+from amorsim.scenario.documents.names import name_from
+from amorsim.scenario.files.model_files import save_robot
+from amorsim.scenario.files.write import resolved_table, table_text, with_copies
 
 
 @attrs.frozen(kw_only=True)

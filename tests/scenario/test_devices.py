@@ -7,7 +7,7 @@ import pytest
 
 import amorsim as am
 from amorsim.core.errors import ScenarioError
-from amorsim.scenario.devices import load_device
+from amorsim.scenario.files.devices import load_device
 
 ROVER = '[[robots]]\nname = "rover"\nmodel = "pioneer2dx"\npose = { x = 1.0, y = 1.5 }\n'
 PROBE = """format = 1

@@ -9,7 +9,7 @@ import time
 import pytest
 
 import amorsim as am
-from amorsim.scenario.document import open_document
+from amorsim.scenario.documents.document import open_document
 
 TEXT = """\
 # Two robots in a room.

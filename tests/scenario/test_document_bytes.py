@@ -12,8 +12,8 @@ from hypothesis import HealthCheck, assume, given
 from hypothesis import strategies as st
 
 import amorsim as am
-from amorsim.scenario.document import Document, open_document
-from amorsim.scenario.toml_values import are_same, as_toml, keys_as_toml, parse
+from amorsim.scenario.documents.document import Document, open_document
+from amorsim.scenario.toml.literals import are_same, as_toml, keys_as_toml, parse
 from tests.examples import settings
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
 import amorsim as am
-from amorsim.scenario.document import Document, open_document
+from amorsim.scenario.documents.document import Document, open_document
 from tests.examples import settings
 
 SOUND = """\

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 import amorsim as am
-from amorsim.scenario.resolved import resolved_table
-from amorsim.scenario.write import write_table
+from amorsim.scenario.files.resolved import resolved_table
+from amorsim.scenario.files.write import write_table
 from tests import optional_components
 from tests.building import rover_text, write_rover
 from tests.installed import registered

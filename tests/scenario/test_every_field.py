@@ -17,9 +17,9 @@ from hypothesis import strategies as st
 from amorsim.core.errors import ScenarioError
 from amorsim.core.parameters import Parameter
 from amorsim.plugins.manager import make_registry
-from amorsim.scenario.fields import file_fields
-from amorsim.scenario.models import LOOKS
-from amorsim.scenario.read import loads
+from amorsim.scenario.files.models import LOOKS
+from amorsim.scenario.reading.fields import file_fields
+from amorsim.scenario.reading.read import loads
 from amorsim.scenario.spec import Landmark, Light, MountedSensor, Obstacle, Pose, Recording, Robot
 from tests.examples import settings
 

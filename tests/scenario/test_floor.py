@@ -8,9 +8,9 @@ import pytest
 import amorsim as am
 from amorsim.core.errors import ScenarioError
 from amorsim.core.parameters import ParameterError
-from amorsim.scenario.read import loads
-from amorsim.scenario.resolved import resolved_table
-from amorsim.scenario.write import table_text
+from amorsim.scenario.files.resolved import resolved_table
+from amorsim.scenario.files.write import table_text
+from amorsim.scenario.reading.read import loads
 from tests import building
 
 TEXT = """

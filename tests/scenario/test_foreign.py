@@ -11,8 +11,8 @@ import pytest
 
 import amorsim as am
 from amorsim.plugins.manager import make_registry
-from amorsim.scenario.foreign import loaders_of_extension, read_foreign
-from amorsim.scenario.maps import load_map
+from amorsim.scenario.files.foreign import loaders_of_extension, read_foreign
+from amorsim.scenario.files.maps import load_map
 
 GIVEN: list[Any] = []
 

@@ -15,10 +15,10 @@ from amorsim.contracts import Draws, WorldGenerator
 from amorsim.core.same_cells import have_same_cells
 from amorsim.plugins.manager import make_registry
 from amorsim.plugins.registry import Registry
-from amorsim.scenario.field_at import field_at
-from amorsim.scenario.read import check_words, loads
-from amorsim.scenario.resolved import resolved_table
-from amorsim.scenario.write import table_text, with_copies, write_table
+from amorsim.scenario.documents.field_at import field_at
+from amorsim.scenario.files.resolved import resolved_table
+from amorsim.scenario.files.write import table_text, with_copies, write_table
+from amorsim.scenario.reading.read import check_words, loads
 from amorsim.testing import check_component
 
 MAZE = 'map = { generate = "maze", seed = 3, size = [6, 5] }'

@@ -14,7 +14,7 @@ from amorsim.core.map import Map
 from amorsim.maps.bmp import Bitmap
 from amorsim.maps.wld import Wld
 from amorsim.plugins.manager import make_registry
-from amorsim.scenario.maps import MapFile, find_loader, load_map
+from amorsim.scenario.files.maps import MapFile, find_loader, load_map
 
 
 @attrs.frozen(kw_only=True)

@@ -7,7 +7,7 @@ import pytest
 
 import amorsim as am
 from amorsim.plugins.manager import default_registry
-from amorsim.scenario.resolved import robot_table, sensor_table
+from amorsim.scenario.files.resolved import robot_table, sensor_table
 
 REGISTRY = default_registry()
 ROBOTS = REGISTRY.names("robot")

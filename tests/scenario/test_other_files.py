@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from amorsim.core.errors import DocumentError
-from amorsim.scenario.document import open_document
-from amorsim.scenario.read import load, scenario_for_map
+from amorsim.scenario.documents.document import open_document
+from amorsim.scenario.reading.read import load, scenario_for_map
 
 WORLDS = Path(__file__).resolve().parents[2] / "docs" / "worlds"
 MAPS = {

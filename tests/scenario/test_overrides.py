@@ -6,7 +6,7 @@ import pytest
 
 from amorsim.core.errors import ScenarioError
 from amorsim.core.parameters import ParameterError
-from amorsim.scenario.read import load
+from amorsim.scenario.reading.read import load
 from amorsim.scenario.spec import Deviation, Pose
 
 TWO = """

@@ -6,9 +6,9 @@ import pytest
 
 import amorsim as am
 from amorsim.core.errors import ControllerError
-from amorsim.scenario.controller_files import load_controller
-from amorsim.scenario.program_text import Program, check_program
-from amorsim.scenario.read import check_words
+from amorsim.scenario.programs.controller_files import load_controller
+from amorsim.scenario.programs.program_text import Program, check_program
+from amorsim.scenario.reading.read import check_words
 
 PLAIN = "def drive(readings, estimate, clock, speed=0.3, *, gain: float = 1.0):\n    return None\n"
 

@@ -11,8 +11,8 @@ import attrs
 import pytest
 
 import amorsim as am
-from amorsim.scenario.read import check_words
-from amorsim.scenario.write import resolved_table, with_copies
+from amorsim.scenario.files.write import resolved_table, with_copies
+from amorsim.scenario.reading.read import check_words
 from tests.studies import make_study
 
 MARKED = (

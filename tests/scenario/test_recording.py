@@ -6,7 +6,7 @@ import pytest
 import amorsim as am
 from amorsim.core.errors import ScenarioError
 from amorsim.core.parameters import ParameterError
-from amorsim.scenario.resolved import resolved_table
+from amorsim.scenario.files.resolved import resolved_table
 from amorsim.scenario.spec import Recording
 
 ROBOT = '[[robots]]\nname = "rover"\nmodel = "pioneer2dx"\n'
@@ -40,7 +40,7 @@ def with_counter(registry, monkeypatch):
 def scenario_of(text, folder, registry):
     import tomllib
 
-    from amorsim.scenario.read import loads
+    from amorsim.scenario.reading.read import loads
 
     document = tomllib.loads(f'format = 1\n[world]\nmap = "room.wld"\n{text}')
     return loads(document, folder, (), name="test.toml", registry=registry)
@@ -58,7 +58,7 @@ def test_a_recorder_is_chosen_and_written_down_again(with_counter, folder):
 
 def test_each_run_has_one_of_its_own(with_counter, folder, tmp_path, monkeypatch):
     monkeypatch.setattr("amorsim.runs.session.default_registry", lambda: with_counter)
-    monkeypatch.setattr("amorsim.scenario.resolved.default_registry", lambda: with_counter)
+    monkeypatch.setattr("amorsim.scenario.files.resolved.default_registry", lambda: with_counter)
     text = f"[recording]\npicture = false\nalso = [{{ use = 'counter' }}]\n{ROBOT}"
     scenario = scenario_of(text, folder, with_counter)
     for name, duration, count in (("a", 0.5, "5"), ("b", 0.3, "3")):

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from amorsim.core.errors import ScenarioError
-from amorsim.scenario.read import load
+from amorsim.scenario.reading.read import load
 
 ROBOT = """
 [[robots]]

@@ -6,7 +6,7 @@ import pytest
 
 import amorsim as am
 from amorsim.core.errors import ScenarioError
-from amorsim.scenario.read import load, loads
+from amorsim.scenario.reading.read import load, loads
 
 ROVER = '[[robots]]\nname = "rover"\nmodel = "pioneer2dx"\n'
 

@@ -8,7 +8,7 @@ import pytest
 from amorsim.controllers.user import UserController
 from amorsim.core.errors import ScenarioError
 from amorsim.core.shapes import Shape
-from amorsim.scenario.read import load, loads, scenario_for_map
+from amorsim.scenario.reading.read import load, loads, scenario_for_map
 from amorsim.scenario.spec import Deviation, Distribution, Pose
 
 ROVER = '[[robots]]\nname = "rover"\nmodel = "pioneer2dx"\n'

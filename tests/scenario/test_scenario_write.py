@@ -16,13 +16,13 @@ from amorsim.drives.differential import Differential
 from amorsim.estimators.dead_reckoning import DeadReckoning
 from amorsim.noise.gaussian import Gaussian
 from amorsim.noise.saturate import Saturate
-from amorsim.scenario.angles import parse_float
+from amorsim.scenario.files.maps import load_map
+from amorsim.scenario.files.resolved import resolved, resolved_table
+from amorsim.scenario.files.write import table_text, with_copies, write_table
 from amorsim.scenario.knowledge import Knowledge
-from amorsim.scenario.maps import load_map
-from amorsim.scenario.read import load, loads
-from amorsim.scenario.resolved import resolved, resolved_table
+from amorsim.scenario.reading.read import load, loads
 from amorsim.scenario.spec import Deviation, Distribution, MountedSensor, NoiseElement, Obstacle, Pose, Robot, Scenario
-from amorsim.scenario.write import table_text, with_copies, write_table
+from amorsim.scenario.toml.angles import parse_float
 from amorsim.sensors.compass import Compass
 from amorsim.sensors.laser import Laser
 from tests.disks import small_disk

@@ -14,8 +14,8 @@ import pytest
 
 import amorsim as am
 from amorsim.plugins.manager import default_registry
-from amorsim.scenario.toml_values import as_toml
-from amorsim.scenario.write import table_text
+from amorsim.scenario.files.write import table_text
+from amorsim.scenario.toml.literals import as_toml
 
 Place = tuple[str | int, ...]
 

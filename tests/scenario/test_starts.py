@@ -11,11 +11,11 @@ import pytest
 
 import amorsim as am
 from amorsim.core.starts import freest_start, wall_gaps
-from amorsim.scenario.angles import parse_float
-from amorsim.scenario.read import loads
-from amorsim.scenario.resolved import resolved_table
-from amorsim.scenario.starts import GridStart
-from amorsim.scenario.write import table_text
+from amorsim.scenario.files.resolved import resolved_table
+from amorsim.scenario.files.write import table_text
+from amorsim.scenario.reading.read import loads
+from amorsim.scenario.reading.starts import GridStart
+from amorsim.scenario.toml.angles import parse_float
 from amorsim.simulation import placing
 from tests import building
 

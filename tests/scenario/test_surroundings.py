@@ -7,9 +7,9 @@ import pytest
 from amorsim.core.errors import ScenarioError
 from amorsim.core.parameters import ParameterError
 from amorsim.noise import AimGaussian, Gaussian
-from amorsim.scenario.read import loads
+from amorsim.scenario.files.write import table_text
+from amorsim.scenario.reading.read import loads
 from amorsim.scenario.spec import Landmark, MountedSensor, NoiseElement, Obstacle
-from amorsim.scenario.write import table_text
 from amorsim.sensors import Compass, Fiducial
 from tests.building import robot
 

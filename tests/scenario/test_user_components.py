@@ -12,9 +12,9 @@ import pytest
 
 import amorsim as am
 from amorsim.runs.reproduce import reproduce
-from amorsim.scenario.planners import read_planner
-from amorsim.scenario.user_components import USER_CODE
-from amorsim.scenario.write import resolved_table
+from amorsim.scenario.files.write import resolved_table
+from amorsim.scenario.programs.user_components import USER_CODE
+from amorsim.scenario.reading.planners import read_planner
 
 CODE = """
 import math

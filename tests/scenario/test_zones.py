@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 import amorsim as am
-from amorsim.scenario.read import loads
-from amorsim.scenario.resolved import resolved_table
+from amorsim.scenario.files.resolved import resolved_table
+from amorsim.scenario.reading.read import loads
 
 ROOM = "width 7000\nheight 4000\n0 0 7000 0\n7000 0 7000 4000\n7000 4000 0 4000\n0 4000 0 0\n"
 BASE: dict[str, Any] = {

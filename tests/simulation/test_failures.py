@@ -10,9 +10,9 @@ import pytest
 
 import amorsim as am
 from amorsim.contracts import Controller, Emission, Estimate, Estimator, Motion, Noise, Sensor
+from amorsim.core.error_text import explain
 from amorsim.core.errors import ComponentError, ControllerError
 from amorsim.core.shapes import Shape
-from amorsim.core.trouble import explain
 from amorsim.drives.differential import Differential
 from amorsim.scenario.spec import MountedSensor, NoiseElement, Obstacle
 from tests import building

@@ -12,9 +12,9 @@ from scipy.stats import chi2
 
 import amorsim as am
 from amorsim.core.parameters import ParameterError
-from amorsim.scenario.read import loads
-from amorsim.scenario.resolved import resolved_table
-from amorsim.scenario.write import table_text
+from amorsim.scenario.files.resolved import resolved_table
+from amorsim.scenario.files.write import table_text
+from amorsim.scenario.reading.read import loads
 
 FILE = """
 format = 1

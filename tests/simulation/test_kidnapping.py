@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import amorsim as am
-from amorsim.scenario.read import loads
-from amorsim.scenario.resolved import resolved_table
-from amorsim.scenario.write import table_text
+from amorsim.scenario.files.resolved import resolved_table
+from amorsim.scenario.files.write import table_text
+from amorsim.scenario.reading.read import loads
 from tests import building
 
 

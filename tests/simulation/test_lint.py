@@ -9,7 +9,7 @@ import pytest
 
 import amorsim as am
 from amorsim.scenario.knowledge import Knowledge
-from amorsim.scenario.read import loads
+from amorsim.scenario.reading.read import loads
 from amorsim.scenario.spec import Landmark, Light
 from amorsim.simulation.lint import advice
 from amorsim.worlds.drawn import map_of

@@ -13,9 +13,9 @@ import pytest
 
 import amorsim as am
 from amorsim.runs.world_digests import world_fingerprint
-from amorsim.scenario.read import loads
-from amorsim.scenario.resolved import resolved_table
-from amorsim.scenario.write import table_text, with_copies, write_table
+from amorsim.scenario.files.resolved import resolved_table
+from amorsim.scenario.files.write import table_text, with_copies, write_table
+from amorsim.scenario.reading.read import loads
 from amorsim.simulation.world import terrain
 from amorsim.simulation.world.terrain import Terrain, bytes_of
 

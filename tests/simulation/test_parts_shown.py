@@ -72,8 +72,8 @@ def test_a_film_has_the_trailer_in_its_robots_colour(tmp_path: Path) -> None:
 
 def test_a_window_is_reported_parts_after_the_obstacles() -> None:
     pytest.importorskip("starlette")
-    from amorsim.ui.simulator.frames import obstacle_poses
-    from amorsim.ui.simulator.scenes import SceneBuilder
+    from amorsim.ui.simulator.frames.frames import obstacle_poses
+    from amorsim.ui.simulator.frames.scenes import SceneBuilder
 
     sim = am.Simulation(yard(rig("b", 5.0, 5.0), rig("a", 5.0, 8.0), obstacles=[stone("post", 2.0, 8.0)]))
     scene = SceneBuilder(sim).scene
@@ -89,7 +89,7 @@ def test_a_window_is_reported_parts_after_the_obstacles() -> None:
 
 def test_a_window_knows_where_a_robot_believes_its_trailer_to_be() -> None:
     pytest.importorskip("starlette")
-    from amorsim.ui.simulator.frames import selected_of
+    from amorsim.ui.simulator.frames.frames import selected_of
 
     # The trailer is longer than the robot assumes, and the counts of the hitch are the true ones.
     sensors = {"encoder": am.sensors.Encoder(counts_per_revolution=1e6)}
@@ -117,7 +117,7 @@ def test_a_robots_own_colour_is_the_same_in_all_pictures(tmp_path: Path, monkeyp
     pytest.importorskip("matplotlib")
     from amorsim.analysis.figures import save_figure
     from amorsim.analysis.plot import plot_run
-    from amorsim.ui.simulator.scenes import SceneBuilder
+    from amorsim.ui.simulator.frames.scenes import SceneBuilder
 
     def save_the_path(figure: Any, path: Path, *, dpi: int, within: Path) -> None:
         if path.stem.endswith("-path"):

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from amorsim.scenario.toml_values import as_toml
+from amorsim.scenario.toml.literals import as_toml
 from tests.studies import make_study
 
 SCENARIO = """\

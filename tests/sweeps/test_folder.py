@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 
 import amorsim as am
-from amorsim.scenario.read import load
+from amorsim.scenario.reading.read import load
 from amorsim.sweeps import folder
 from amorsim.sweeps.read import read_plan
 from tests.sweeps.studies import study_file, tables

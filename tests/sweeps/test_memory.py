@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 import amorsim as am
-from amorsim.sweeps import folder, spread, table
+from amorsim.sweeps import executors, folder, table
 from amorsim.sweeps.chunk import Outcome
 from amorsim.sweeps.plan import Plan
 from tests.sweeps.studies import METRICS, TRACK, needs_extra, tables
@@ -44,7 +44,7 @@ def test_outcomes_are_let_go(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     gc.disable()  # what only the collector finds counts as kept
     try:
         computed, read = Alive(), Alive()
-        monkeypatch.setattr(spread, "run_chunk", lambda *given: computed.count(made(*given)))
+        monkeypatch.setattr(executors, "run_chunk", lambda *given: computed.count(made(*given)))
         real = folder.StudyFolder._read
         monkeypatch.setattr(folder.StudyFolder, "_read", lambda self, index: read.count(real(self, index)))
         monkeypatch.setattr(table, "_ROWS", 10)
@@ -74,10 +74,10 @@ def test_outcomes_are_let_go(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
 def test_processes_get_work_only_as_they_need_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     ahead: list[int] = []
     begun = 0
-    real = spread.in_processes
+    real = executors.in_processes
 
-    def counted(plan: Plan, todo: Sequence[int], work_of: spread.MakeWork, jobs: int) -> Any:
-        def begin(index: int) -> spread.Work:
+    def counted(plan: Plan, todo: Sequence[int], work_of: executors.MakeWork, jobs: int) -> Any:
+        def begin(index: int) -> executors.Work:
             nonlocal begun
             begun += 1
             return work_of(index)

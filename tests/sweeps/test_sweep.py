@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 import amorsim as am
-from amorsim.core.trouble import explain
+from amorsim.core.error_text import explain
 from amorsim.sweeps import chunk as chunks
-from amorsim.sweeps import spread
+from amorsim.sweeps import executors
 from tests.sweeps.studies import METRICS, TRACK, study_file, tables
 
 
@@ -204,7 +204,7 @@ def test_what_is_set_twice_is_refused(tmp_path: Path, changes: dict[str, Any], w
 def test_a_finished_study_is_not_computed_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     given = tables(tmp_path / "s")
     first = am.sweep(given, tmp_path / "out")
-    monkeypatch.setattr(spread, "run_chunk", None)
+    monkeypatch.setattr(executors, "run_chunk", None)
     assert same(am.sweep(given, tmp_path / "out"), first)
 
 
@@ -219,7 +219,7 @@ def test_ctrl_c_keeps_what_is_done_and_the_same_call_goes_on(tmp_path: Path, mon
         seen.append(index)
         return real(plan, index, folder)
 
-    monkeypatch.setattr(spread, "run_chunk", interrupted)
+    monkeypatch.setattr(executors, "run_chunk", interrupted)
     part = am.sweep(given, tmp_path / "out")
     assert not part.is_complete
     assert part["point"].tolist() == [0, 0, 0, 1, 1, 1]

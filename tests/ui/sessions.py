@@ -163,13 +163,13 @@ class Driven:
 
     @property
     def link(self) -> Link:
-        found = self.session._keeper.link
+        found = self.session._supervisor.link
         assert found is not None
         return found
 
     @property
     def hang(self) -> dict[str, Any] | None:
-        return self.session._keeper.hang
+        return self.session._supervisor.hang
 
     @property
     def scene(self) -> Any:

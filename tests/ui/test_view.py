@@ -106,7 +106,7 @@ def test_it_ends_with_its_terminal(tmp_path: Path) -> None:
 def test_a_process_that_is_still_being_loaded_ends_with_its_session(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from amorsim.ui.simulator.pipes import python_for
+    from amorsim.ui.simulator.process.pipes import python_for
 
     # As numpy and numba on a machine that has much else to do, only longer.
     (tmp_path / "heavy.py").write_text("import time\nprint('loading', flush=True)\ntime.sleep(3600)\n")

@@ -18,7 +18,7 @@ from urllib.parse import urlsplit
 import pytest
 
 from amorsim.cli.console import compile_once
-from amorsim.ui.simulator.packing import FRAME_HEADER
+from amorsim.ui.simulator.frames.packing import FRAME_HEADER
 from tests.processes import is_running
 from tests.ui.aside import aside
 

@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.arguments import is_numeric
+from amorsim.core.error_text import in_words
 from amorsim.core.errors import GraphError
-from amorsim.core.trouble import in_words
 
 __all__ = ["PoseGraph"]
 

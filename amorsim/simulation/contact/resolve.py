@@ -29,7 +29,7 @@ from amorsim.core.workers import in_turn
 from amorsim.kernels.collision.broad_phase import NEAR_BODY, NEAR_WALL, look_around, set_out
 from amorsim.kernels.collision.paths import OTHER, SLACK, STANDS, Paths, Scene, poses_at
 from amorsim.kernels.collision.time_of_impact import MET, WALL, Search, resolve
-from amorsim.simulation.blame import is_finite
+from amorsim.simulation.error_context import is_finite
 from amorsim.simulation.schedule import Call
 from amorsim.simulation.world.world import World
 

@@ -11,13 +11,13 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Aim, Context, Draws, Measurement, Sensor, SensorBinding, Side, State
+from amorsim.core.error_text import RAISED, in_words
 from amorsim.core.rows import stack
-from amorsim.core.trouble import RAISED, in_words
 from amorsim.kernels.kinematics import poses
 from amorsim.kernels.sensing import delivery
 from amorsim.scenario.needs import samples_under_way
 from amorsim.scenario.spec import MountedSensor
-from amorsim.simulation.blame import Whose, array_problem
+from amorsim.simulation.error_context import ErrorContext, array_problem
 from amorsim.simulation.row_clock import RowClock
 from amorsim.simulation.sensing.noise_chain import Chain, Streams
 from amorsim.simulation.world.sensor_view import GroupView
@@ -65,7 +65,7 @@ class Device:
         specified: MountedSensor,
         size: int,
         streams: Streams,
-        whose: Whose,
+        whose: ErrorContext,
         row_clock: RowClock,
         view: GroupView,
     ) -> None:
@@ -313,7 +313,7 @@ class Device:
         return f"sensor {self.name!r}"
 
     def blame(self, error: BaseException) -> NoReturn:
-        """Raise the sensor's exception as `Whose.blame` does."""
+        """Raise the sensor's exception as `ErrorContext.blame` does."""
         self.whose.blame(self.what, self.sensor, error)
 
     # --------------------------------------------------------------------------------------------------- for others

@@ -12,12 +12,12 @@ import numpy.typing as npt
 
 from amorsim.contracts import Aim, Context, Draws, Noise, NoiseStep, State
 from amorsim.core.draws import Medians, stream_key
+from amorsim.core.error_text import RAISED
 from amorsim.core.noise_steps import NoiseProgram, steps_problem
 from amorsim.core.rows import stack
-from amorsim.core.trouble import RAISED
 from amorsim.core.workers import Workers
 from amorsim.scenario.spec import NoiseElement
-from amorsim.simulation.blame import Whose, array_problem
+from amorsim.simulation.error_context import ErrorContext, array_problem
 
 __all__ = ["Chain", "Streams"]
 
@@ -55,7 +55,12 @@ class Chain:
     """The elements in order, with their states and draws."""
 
     def __init__(
-        self, elements: Sequence[NoiseElement], streams: Streams, whose: Whose, *where: str, columns: Sequence[str] = ()
+        self,
+        elements: Sequence[NoiseElement],
+        streams: Streams,
+        whose: ErrorContext,
+        *where: str,
+        columns: Sequence[str] = (),
     ) -> None:
         self.names = [element.name for element in elements]
         self._whose = whose

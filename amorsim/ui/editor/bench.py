@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.errors import AmorsimError
-from amorsim.scenario.partial import Partial
+from amorsim.scenario.reading.partial import Partial
 from amorsim.scenario.spec import Robot, Scenario
 from amorsim.simulation.starting import drawn_starts
 from amorsim.studies.preview import preview_noise, preview_square

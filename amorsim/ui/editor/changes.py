@@ -9,14 +9,14 @@ from typing import Any
 
 from amorsim.core.errors import AmorsimError, DocumentError
 from amorsim.core.numbers import is_number
-from amorsim.scenario.elsewhere import renamed
-from amorsim.scenario.fields import NONE
-from amorsim.scenario.layout import MISSING, found_at
-from amorsim.scenario.toml_values import parse
-from amorsim.ui.editor.bitmaps import cropped, filled, painted
-from amorsim.ui.editor.knowing import know_landmarks, know_map
-from amorsim.ui.editor.line_ends import with_line_ends
-from amorsim.ui.editor.sections import SHAPES
+from amorsim.scenario.documents.elsewhere import renamed
+from amorsim.scenario.reading.fields import NONE
+from amorsim.scenario.toml.layout import MISSING, found_at
+from amorsim.scenario.toml.literals import parse
+from amorsim.ui.editor.inspectors.knowing import know_landmarks, know_map
+from amorsim.ui.editor.inspectors.sections import SHAPES
+from amorsim.ui.editor.storage.bitmaps import cropped, filled, painted
+from amorsim.ui.editor.storage.line_ends import with_line_ends
 from amorsim.ui.editor.work import Work
 from amorsim.ui.serve.wire import shown
 
@@ -39,7 +39,7 @@ def apply(work: Work, changes: Sequence[Change]) -> list[str]:
     - ``{op: "point", path, number, value}``: one of the points of a place, x, y [m]; ``insert`` makes it one more.
     - ``{op: "mount", path, value}``: where a sensor sits on its robot, x, y [m] and heading [deg]; null is what stays.
     - ``{op: "shape", path, value}``: another kind of shape.
-    - ``{op: "know_map" | "know_landmarks", path, value}``: what a robot knows (see `amorsim.ui.editor.knowing`).
+    - ``{op: "know_map" | "know_landmarks", path, value}``: a robot's knowledge (`inspectors.knowing`).
     - ``{op: "toml", path, text}``: a table's whole content in the file, as TOML.
     - ``{op: "text", text}``: the whole text of the scenario.
     - ``{op: "paint", spans, occupied}``: cells of a bitmap, as ``[row, first column, one after the last]``.

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import attrs
 
+from amorsim.core.error_text import error_in_words
 from amorsim.core.errors import Fault
-from amorsim.core.trouble import error_in_words
 from amorsim.plugins.registry import Registry
-from amorsim.scenario.document import Document
-from amorsim.scenario.partial import Partial
-from amorsim.ui.editor.things import Thing, things_of
+from amorsim.scenario.documents.document import Document
+from amorsim.scenario.reading.partial import Partial
+from amorsim.ui.editor.inspectors.things import Thing, things_of
 from amorsim.ui.faults.lines import FaultLine, fault_lines
 from amorsim.ui.scene.still import StillBuilder
 from amorsim.ui.scene.wire import Still

@@ -10,7 +10,7 @@ from typing import Any
 
 from amorsim.core.errors import AmorsimError
 from amorsim.core.processes import end_with_children
-from amorsim.ui.simulator.pipes import python_for
+from amorsim.ui.simulator.process.pipes import python_for
 
 __all__ = ["Reader", "ReaderError"]
 

@@ -12,16 +12,16 @@ from typing import Any
 
 import numpy as np
 
+from amorsim.core.error_text import error_in_words
 from amorsim.core.errors import AmorsimError
 from amorsim.core.shapes import Shape
 from amorsim.core.starts import wall_gaps
-from amorsim.core.trouble import error_in_words
 from amorsim.plugins.manager import default_registry
-from amorsim.scenario.code_check import check_code
-from amorsim.scenario.document import Document
-from amorsim.scenario.partial import Partial
-from amorsim.ui.editor.keeping import picture_of, save_model, write_world
+from amorsim.scenario.documents.document import Document
+from amorsim.scenario.programs.code_check import check_code
+from amorsim.scenario.reading.partial import Partial
 from amorsim.ui.editor.looking import CODE_LIMIT, Seen, look, placed
+from amorsim.ui.editor.storage.keeping import picture_of, save_model, write_world
 
 __all__ = ["main"]
 

@@ -15,19 +15,19 @@ from collections.abc import Awaitable, Callable, Mapping
 from pathlib import Path
 from typing import Any, Self
 
+from amorsim.core.error_text import error_in_words
 from amorsim.core.errors import AmorsimError
-from amorsim.core.trouble import error_in_words
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
-from amorsim.scenario.elsewhere import named_files
+from amorsim.scenario.documents.elsewhere import named_files
 from amorsim.ui.editor.changes import apply, own_table
-from amorsim.ui.editor.files import PROGRAM
-from amorsim.ui.editor.formats import written_endings
-from amorsim.ui.editor.inspector import inspect
+from amorsim.ui.editor.inspectors.inspector import inspect
 from amorsim.ui.editor.looking import FaultAt, Looked
-from amorsim.ui.editor.passing import PassingFolder
-from amorsim.ui.editor.projects import ASKS, Projects
 from amorsim.ui.editor.reader import Reader
+from amorsim.ui.editor.storage.files import PROGRAM
+from amorsim.ui.editor.storage.formats import written_endings
+from amorsim.ui.editor.storage.passing import PassingFolder
+from amorsim.ui.editor.storage.projects import ASKS, Projects
 from amorsim.ui.editor.work import ChangedError, Work
 from amorsim.ui.serve.wire import shown, whole
 from amorsim.ui.simulator.controls import Controls

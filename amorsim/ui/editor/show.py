@@ -16,7 +16,7 @@ from amorsim.core.reading import is_there
 from amorsim.ui.editor.journal import state_folder
 from amorsim.ui.editor.session import EditSession
 from amorsim.ui.editor.work import Work
-from amorsim.ui.serve.inviting import Invitation
+from amorsim.ui.serve.launch_url import LaunchUrl
 from amorsim.ui.serve.pages import Page, Pages
 from amorsim.ui.serve.security import Door
 from amorsim.ui.serve.server import serve
@@ -64,7 +64,7 @@ def edit(
     pages = Pages()
     may_run_code = allow_code or Door(host=host, port=port).is_for_this_machine
     opened = _Opened(pages, folder, may_run_code=may_run_code)
-    invitation = Invitation(browser=browser, say=say, complain=complain)
+    invitation = LaunchUrl(browser=browser, say=say, complain=complain)
 
     async def end() -> None:
         await opened.end_runs()

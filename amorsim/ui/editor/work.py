@@ -7,19 +7,19 @@ from pathlib import Path
 from typing import Any
 
 from amorsim.core.errors import AmorsimError
-from amorsim.core.left_behind import temporary_folder
 from amorsim.core.reading import is_file, is_folder, is_there, reason
+from amorsim.core.temporary_folders import temporary_folder
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
-from amorsim.scenario.document import Document, open_document
-from amorsim.scenario.elsewhere import named_files
-from amorsim.ui.editor.files import Files, FilesError, FileText
+from amorsim.scenario.documents.document import Document, open_document
+from amorsim.scenario.documents.elsewhere import named_files
 from amorsim.ui.editor.history import History, Patch, Step, difference
+from amorsim.ui.editor.inspectors.walls import WallsError
 from amorsim.ui.editor.journal import Kept, mark_of
-from amorsim.ui.editor.recent import remember
 from amorsim.ui.editor.steps import Steps
-from amorsim.ui.editor.walls import WallsError
-from amorsim.ui.editor.world_map import WorldMap
+from amorsim.ui.editor.storage.files import Files, FilesError, FileText
+from amorsim.ui.editor.storage.recent import remember
+from amorsim.ui.editor.storage.world_map import WorldMap
 from amorsim.ui.faults.files import Stamps, stamps_of
 
 __all__ = ["EMPTY", "ChangedError", "Work"]

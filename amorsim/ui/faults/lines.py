@@ -6,10 +6,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TypedDict
 
+from amorsim.core.error_text import explain
 from amorsim.core.errors import AmorsimError, Fault, RunError, ScenarioError
 from amorsim.core.reading import read_text
-from amorsim.core.trouble import explain
-from amorsim.scenario.faults import shown
+from amorsim.scenario.reading.faults import shown
 
 __all__ = ["FaultLine", "FaultsError", "fault_lines", "lines_of"]
 

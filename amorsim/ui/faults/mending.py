@@ -16,10 +16,10 @@ from collections.abc import Awaitable, Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, TypedDict
 
+from amorsim.core.error_text import error_in_words
 from amorsim.core.errors import AmorsimError, DocumentError, Fault, ScenarioError
-from amorsim.core.trouble import error_in_words
-from amorsim.scenario.document import open_document
-from amorsim.scenario.read import check_words
+from amorsim.scenario.documents.document import open_document
+from amorsim.scenario.reading.read import check_words
 from amorsim.ui.faults.files import BETWEEN_LOOKS, Stamps, change_of, stamps_of
 from amorsim.ui.faults.lines import FaultLine, FaultsError, fault_lines
 from amorsim.ui.scene.still import StillBuilder

@@ -10,8 +10,8 @@ import attrs
 from amorsim.core.errors import AmorsimError
 from amorsim.core.parameters import describe
 from amorsim.plugins.manager import default_registry
-from amorsim.scenario.chains import chain_at, paths_of_chains, tables_of
-from amorsim.scenario.fields import NONE
+from amorsim.scenario.reading.chains import chain_at, paths_of_chains, tables_of
+from amorsim.scenario.reading.fields import NONE
 from amorsim.scenario.spec import Robot
 from amorsim.ui.forms.description import Choice, FieldForm, choices_of
 

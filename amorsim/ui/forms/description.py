@@ -17,7 +17,7 @@ from amorsim.core.errors import PluginError
 from amorsim.core.parameters import Parameter, describe
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
-from amorsim.scenario.fields import NONE, default_in_file, file_fields, in_file, write_fields
+from amorsim.scenario.reading.fields import NONE, default_in_file, file_fields, in_file, write_fields
 from amorsim.scenario.spec import Deviation, Distribution
 from amorsim.ui.forms.values import field_plain, plain
 

@@ -22,7 +22,7 @@ from amorsim.ui.forms.description import (
 from amorsim.ui.forms.origins import Origins
 from amorsim.ui.forms.sliders import slider_of
 from amorsim.ui.forms.values import field_plain
-from amorsim.ui.simulator.protocol import ParameterForm
+from amorsim.ui.simulator.frames.protocol import ParameterForm
 
 __all__ = ["forms_of", "value_at"]
 

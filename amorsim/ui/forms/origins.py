@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from typing import Any
 
 from amorsim.core.errors import AmorsimError
-from amorsim.scenario.document import Document, open_document
-from amorsim.scenario.fields import NONE
-from amorsim.scenario.origins import Origin
+from amorsim.scenario.documents.document import Document, open_document
+from amorsim.scenario.documents.origins import Origin
+from amorsim.scenario.reading.fields import NONE
 from amorsim.scenario.spec import Robot, Scenario
 
 __all__ = ["Origins"]

@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from amorsim.scenario.spec import Distribution
-from amorsim.ui.simulator.protocol import ParameterForm
+from amorsim.ui.simulator.frames.protocol import ParameterForm
 
 __all__ = ["slider_of"]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from amorsim.core.shapes import Shape
-from amorsim.scenario.partial import Outline, Partial
 from amorsim.scenario.parts import parts_at
+from amorsim.scenario.reading.partial import Outline, Partial
 from amorsim.scenario.spec import Obstacle, Pose, Robot
 from amorsim.ui.scene.bodies import body_of, floor_of, outline_of
 from amorsim.ui.scene.maps import MapShapes

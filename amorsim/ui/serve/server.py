@@ -20,8 +20,8 @@ from starlette.websockets import WebSocket
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from amorsim.core.errors import AmorsimError
+from amorsim.ui.serve.connection_limiter import ConnectionLimiter
 from amorsim.ui.serve.film import FilmError, gif_of, read_film
-from amorsim.ui.serve.lobby import Lobby
 from amorsim.ui.serve.pages import WEB, Pages
 from amorsim.ui.serve.security import LONGEST_HEAD, App, Door, Guard
 from amorsim.ui.serve.talk import Talk
@@ -186,7 +186,7 @@ async def serve(
         app = build(pages, door, lambda: ready(door))
         config = uvicorn.Config(
             app,
-            http=Lobby(H11Protocol).receive,  # type: ignore[arg-type] # what makes a protocol, as a class does
+            http=ConnectionLimiter(H11Protocol).receive,  # type: ignore[arg-type] # what makes a protocol, as a class does
             h11_max_incomplete_event_size=LONGEST_HEAD,
             log_level="error",  # what a stranger asks for is not for the terminal
             access_log=False,

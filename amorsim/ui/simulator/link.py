@@ -21,7 +21,7 @@ from typing import Any
 
 from amorsim.core.errors import AmorsimError
 from amorsim.ui.faults.lines import FaultsError
-from amorsim.ui.simulator.pipes import FRAME, SNAPSHOT, Writer, python_for, read_message
+from amorsim.ui.simulator.process.pipes import FRAME, SNAPSHOT, Writer, python_for, read_message
 
 __all__ = ["Link"]
 
@@ -39,7 +39,7 @@ class Link:
     Parameters
     ----------
     order
-        What it is to simulate (see `amorsim.ui.simulator.child.main`).
+        What it is to simulate (see `amorsim.ui.simulator.process.child.main`).
     carried
         The snapshot that it is to go on from, as another child gave it; None for none.
     on_frame, on_end
@@ -91,7 +91,7 @@ class Link:
         self._pings: set[int] = set()  # which of the open ones are signs of life
         # In a session of its own, where there are such: Ctrl-C in the terminal is for the session alone.
         self._process = subprocess.Popen(
-            python_for("amorsim.ui.simulator.child"),
+            python_for("amorsim.ui.simulator.process.child"),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,

@@ -15,7 +15,7 @@ from typing import Any
 from amorsim.core.errors import AmorsimError
 from amorsim.core.reading import is_there
 from amorsim.runs.folder import new_folder, next_folder
-from amorsim.ui.simulator.pipes import python_for
+from amorsim.ui.simulator.process.pipes import python_for
 from amorsim.ui.simulator.recipe import Recipe
 
 __all__ = ["Saver", "free_places", "place_for"]

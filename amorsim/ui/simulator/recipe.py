@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import attrs
 
-from amorsim.runs.asked import make_simulation, read_scenario, with_options
+from amorsim.runs.scenario_argument import make_simulation, read_scenario, with_options
 
 if TYPE_CHECKING:
     from amorsim.simulation.simulation import Simulation

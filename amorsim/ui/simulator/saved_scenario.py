@@ -9,18 +9,18 @@ from pathlib import Path
 
 import attrs
 
+from amorsim.core.atomic_files import copy_file
 from amorsim.core.errors import DocumentError, RunError, ScenarioError
-from amorsim.core.whole_files import copy_file
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
-from amorsim.scenario.changed_robots import robot_of, set_robots
-from amorsim.scenario.document import Document, open_document
-from amorsim.scenario.maps import MapFile, companions_of
-from amorsim.scenario.names import name_from, rename_maps
-from amorsim.scenario.overrides import override
+from amorsim.scenario.documents.changed_robots import robot_of, set_robots
+from amorsim.scenario.documents.document import Document, open_document
+from amorsim.scenario.documents.names import name_from, rename_maps
+from amorsim.scenario.documents.overrides import override
+from amorsim.scenario.files.maps import MapFile, companions_of
+from amorsim.scenario.files.write import resolved_table, write_table
 from amorsim.scenario.spec import Robot, Scenario
-from amorsim.scenario.toml_values import are_same
-from amorsim.scenario.write import resolved_table, write_table
+from amorsim.scenario.toml.literals import are_same
 from amorsim.simulation.simulation import Simulation
 
 __all__ = ["save_scenario"]

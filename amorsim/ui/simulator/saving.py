@@ -17,9 +17,9 @@ from typing import Any
 
 from amorsim.core.errors import AmorsimError
 from amorsim.runs.session import RunSession
-from amorsim.ui.simulator.inputs import Input, Inputs
-from amorsim.ui.simulator.orphan import stay
+from amorsim.ui.simulator.process.orphan import stay
 from amorsim.ui.simulator.recipe import Recipe
+from amorsim.ui.simulator.sources.inputs import Input, Inputs
 
 __all__ = ["main", "save_again"]
 

@@ -15,11 +15,11 @@ from typing import Any, Self
 from amorsim.core.errors import AmorsimError, did_you_mean
 from amorsim.core.reading import is_file, is_there
 from amorsim.ui.scene.wire import Scene
+from amorsim.ui.simulator.child_supervisor import ChildSupervisor
 from amorsim.ui.simulator.controls import Controls
-from amorsim.ui.simulator.keeper import Keeper
+from amorsim.ui.simulator.frame_buffer import FrameBuffer
+from amorsim.ui.simulator.frames.messages import COMMANDS, check
 from amorsim.ui.simulator.looks import Looks
-from amorsim.ui.simulator.mailbox import Mailbox
-from amorsim.ui.simulator.messages import COMMANDS, check
 from amorsim.ui.simulator.project import Saver, free_places, place_for
 from amorsim.ui.simulator.recipe import Recipe
 
@@ -77,8 +77,10 @@ class Session:
         self._saver = Saver(self.project, recipe)
         self._controls = Controls()
         self._looks = Looks()
-        self._mailbox = Mailbox(lambda now: self._keeper.ask_frame(self._looks.robots, now=now))
-        self._keeper = Keeper(recipe, out=out, patience=patience, notice=notice, mailbox=self._mailbox)
+        self._frame_buffer = FrameBuffer(lambda now: self._supervisor.ask_frame(self._looks.robots, now=now))
+        self._supervisor = ChildSupervisor(
+            recipe, out=out, patience=patience, notice=notice, frame_buffer=self._frame_buffer
+        )
         self._state: Answer = {}  # the child's last answer
         self.reload: Callable[[], Awaitable[str]] | None = None
         self.changed = False
@@ -94,12 +96,12 @@ class Session:
         AmorsimError
             If the scenario cannot be simulated, with the message of `amorsim run`.
         """
-        return await self._keeper.start()
+        return await self._supervisor.start()
 
     async def close(self) -> None:
         """End the simulation, with whole files, within two seconds; again if one likes."""
         self._saver.close()
-        await self._keeper.close()
+        await self._supervisor.close()
 
     async def __aenter__(self) -> Self:
         await self.start()
@@ -111,17 +113,17 @@ class Session:
     @property
     def scene(self) -> Scene:
         """All that stays as it is while the simulation runs."""
-        return self._keeper.scene
+        return self._supervisor.scene
 
     @property
     def remarks(self) -> list[str]:
         """For the user, at the start."""
-        return self._keeper.remarks
+        return self._supervisor.remarks
 
     @property
     def folder(self) -> str:
         """The folder that the run is written into, or was until the end; nothing where there is none."""
-        link = self._keeper.link
+        link = self._supervisor.link
         folder = link.folder if link is not None else ""
         return folder if folder and is_file(Path(folder, "run.json")) else ""
 
@@ -136,7 +138,7 @@ class Session:
         self._looks.close(window)
         if self._controls.close(window):
             with contextlib.suppress(AmorsimError):
-                self._keeper.send({"do": "stop"})
+                self._supervisor.send({"do": "stop"})
 
     @property
     def holder(self) -> str:
@@ -149,7 +151,7 @@ class Session:
         It holds all values of the robot that the window looks at. Frames are made only while a window waits for one, at
         most 40 in a second.
         """
-        return await self._mailbox.newest(after, lambda: self._looks.of(window))
+        return await self._frame_buffer.newest(after, lambda: self._looks.of(window))
 
     # -------------------------------------------------------------------------------------------------------- commands
 
@@ -158,7 +160,7 @@ class Session:
         return name in COMMANDS and COMMANDS[name].asks
 
     async def ask(self, window: str, command: Table) -> Answer:
-        """The answer to a window's command (see `amorsim.ui.simulator.messages`)."""
+        """The answer to a window's command (see `amorsim.ui.simulator.frames.messages`)."""
         try:
             if not self._controls.knows(window):
                 raise AmorsimError("this window is not known any more; load the page again")
@@ -189,12 +191,12 @@ class Session:
         if name == "state":
             more = {"selected": self._looks.of(window), "changed": self.changed}
             return {**await self._answer_state(command), **more, **({"moved": self.moved} if self.moved else {})}
-        if self._keeper.hang is not None:
-            raise AmorsimError(f"the simulation does not answer: {self._keeper.hang['text']}")
-        answer = await self._keeper.send(self._with_robot(window, command))
+        if self._supervisor.hang is not None:
+            raise AmorsimError(f"the simulation does not answer: {self._supervisor.hang['text']}")
+        answer = await self._supervisor.send(self._with_robot(window, command))
         if name == "replica" and answer["ok"]:
-            self._keeper.scene = answer["scene"]
-        self._mailbox.spoil()
+            self._supervisor.scene = answer["scene"]
+        self._frame_buffer.spoil()
         return answer
 
     def _select(self, window: str, command: Table) -> Answer:
@@ -207,7 +209,7 @@ class Session:
             hint = did_you_mean(str(robot), names) if isinstance(robot, str) else ""
             raise AmorsimError(f"expected a robot's name or its place from 0 to {len(names) - 1}, got {robot!r}.{hint}")
         self._looks.turn(window, robot)
-        self._mailbox.turn()
+        self._frame_buffer.turn()
         return {"ok": True}
 
     def _with_robot(self, window: str, command: Table) -> Table:
@@ -216,38 +218,38 @@ class Session:
         return command
 
     async def _own(self, command: Table) -> Answer:
-        name, keeper = command["do"], self._keeper
+        name, supervisor = command["do"], self._supervisor
         if name == "reload":
             if self.reload is None:
                 raise AmorsimError("there is no file to load again")
             return {"ok": True, "path": await self.reload()}
         if name == "restart":
-            return await keeper.restart(command.get("without"))
+            return await supervisor.restart(command.get("without"))
         if name == "places":
             return {"ok": True, "project": str(self.project), **free_places(self.project, self.scene["scenario"])}
         if name == "save_run":
-            job = await keeper.demand({"do": "job"})
+            job = await supervisor.demand({"do": "job"})
             answer = await self._saver.save(job, command.get("name"), self.scene["scenario"])
-            keeper.remark("saved", f"the run was saved in {answer['folder']}")
+            supervisor.remark("saved", f"the run was saved in {answer['folder']}")
             return answer
         file = place_for(self.project, command.get("name"), ".toml")
         if is_there(file) and not command.get("overwrite"):
             raise AmorsimError(f"{file.name} is there already; name another file")
-        await keeper.demand({"do": "write_scenario", "file": str(file)})
-        keeper.remark("saved", f"the scenario was saved as {file.relative_to(self.project)}")
+        await supervisor.demand({"do": "write_scenario", "file": str(file)})
+        supervisor.remark("saved", f"the scenario was saved as {file.relative_to(self.project)}")
         return {"ok": True, "file": str(file)}
 
     async def _answer_state(self, command: Table) -> Answer:
-        keeper = self._keeper
-        if keeper.hang is None:
+        supervisor = self._supervisor
+        if supervisor.hang is None:
             try:
-                answer = keeper.send(command)
+                answer = supervisor.send(command)
                 while not (await asyncio.wait([answer], timeout=BETWEEN_LOOKS))[0]:
-                    if keeper.is_compiling and self._state:
+                    if supervisor.is_compiling and self._state:
                         answer.cancel()
                         return {**self._state, "status": "compiling", **self._controls.state()}
                 self._state = answer.result()
             except AmorsimError:
-                if keeper.hang is None and not self._state:
+                if supervisor.hang is None and not self._state:
                     raise
-        return {**self._state, **keeper.trouble(), **self._controls.state()}
+        return {**self._state, **supervisor.trouble(), **self._controls.state()}

@@ -19,8 +19,8 @@ from amorsim.core.errors import AmorsimError
 from amorsim.core.reading import is_file
 from amorsim.runs.folder import next_folder
 from amorsim.ui.faults.lines import FaultLine, FaultsError
-from amorsim.ui.serve.inviting import Invitation
-from amorsim.ui.simulator.orphan import stay
+from amorsim.ui.serve.launch_url import LaunchUrl
+from amorsim.ui.simulator.process.orphan import stay
 from amorsim.ui.simulator.recipe import Recipe
 
 if TYPE_CHECKING:
@@ -94,7 +94,7 @@ def show(
     pages = Pages()
     shown = _Shown(recipe, pages, out=out, say=say, complain=complain, notice=notice)
     last_word = threading.Lock()  # printed once: here, or by the timer that waits for nothing
-    invitation = Invitation(browser=browser, say=say, complain=complain)
+    invitation = LaunchUrl(browser=browser, say=say, complain=complain)
 
     def tell() -> None:
         if last_word.acquire(blocking=False) and shown.folder:

@@ -10,8 +10,8 @@ from shapely.affinity import rotate, translate
 
 import amorsim as am
 from amorsim.foreign.stage.write import stage_models
-from amorsim.runs.asked import placed
-from amorsim.scenario.resolved import resolved_table
+from amorsim.runs.scenario_argument import placed
+from amorsim.scenario.files.resolved import resolved_table
 from amorsim.sensors import Bumper, Compass, Fiducial, Laser, Sonar
 from amorsim.sensors.bumper import Sector
 

@@ -13,9 +13,9 @@ from scipy import ndimage
 
 import amorsim as am
 from amorsim.core.errors import AmorsimError
-from amorsim.ui.editor.bitmaps import cropped, decode, encode, filled, painted, shape_of
+from amorsim.ui.editor.inspectors.walls import WallsError
 from amorsim.ui.editor.session import EditSession
-from amorsim.ui.editor.walls import WallsError
+from amorsim.ui.editor.storage.bitmaps import cropped, decode, encode, filled, painted, shape_of
 from tests.ui.editor.talking import do, drawn, talk
 
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 import amorsim as am
-from amorsim.ui.editor.line_ends import with_line_ends
 from amorsim.ui.editor.session import EditSession
+from amorsim.ui.editor.storage.line_ends import with_line_ends
 from tests.ui.editor.talking import do, talk
 
 

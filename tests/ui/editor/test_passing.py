@@ -12,13 +12,13 @@ from pathlib import Path
 import pytest
 
 from amorsim.core.errors import AmorsimError
-from amorsim.ui.editor.passing import PassingFolder
+from amorsim.ui.editor.storage.passing import PassingFolder
 from tests.ui.windows import Server
 
 HOLDING = """
 import sys, tempfile
 tempfile.tempdir = sys.argv[1]
-from amorsim.ui.editor.passing import PassingFolder
+from amorsim.ui.editor.storage.passing import PassingFolder
 folder = PassingFolder()
 print(folder.path, flush=True)
 sys.stdin.read()

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from amorsim.core.errors import AmorsimError
-from amorsim.runs.asked import read_scenario
+from amorsim.runs.scenario_argument import read_scenario
 from amorsim.ui.faults.files import stamps_of_scenario
 from amorsim.ui.faults.lines import lines_of
 from amorsim.ui.faults.mending import Mending

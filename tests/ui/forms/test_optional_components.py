@@ -15,7 +15,7 @@ from amorsim.core.parameters import describe
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import KINDS
 from amorsim.ui.editor.changes import apply
-from amorsim.ui.editor.inspector import inspect
+from amorsim.ui.editor.inspectors.inspector import inspect
 from amorsim.ui.editor.work import Work
 from amorsim.ui.forms.chains import noises_for, with_element
 from amorsim.ui.forms.description import form_of

@@ -11,7 +11,7 @@ import pytest
 import amorsim as am
 from amorsim.plugins.manager import default_registry
 from amorsim.ui.scene.still import StillBuilder
-from amorsim.ui.simulator.scenes import SceneBuilder
+from amorsim.ui.simulator.frames.scenes import SceneBuilder
 
 ROOM = "0 0 6000 0\n6000 0 6000 5000\n6000 5000 0 5000\n0 5000 0 0\n"
 SOUND = """format = 1

@@ -19,7 +19,7 @@ import pytest
 pytest.importorskip("starlette", reason="the extra 'ui' is not installed")
 
 from amorsim.core.errors import AmorsimError
-from amorsim.ui.serve.lobby import MOST_WAITING
+from amorsim.ui.serve.connection_limiter import MOST_WAITING
 from amorsim.ui.serve.security import Door, Guard
 from amorsim.ui.serve.server import listen
 from tests.ui.aside import aside

@@ -11,7 +11,7 @@ import numba
 import pytest
 
 from amorsim.kernels import COMPILING
-from amorsim.ui.simulator.stacks import is_compiling
+from amorsim.ui.simulator.process.stacks import is_compiling
 from tests.ui.sessions import Make
 from tests.ui.simulator.test_session import done, frame, state, until
 

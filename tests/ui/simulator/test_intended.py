@@ -12,8 +12,8 @@ import pytest
 import amorsim as am
 from amorsim.recorders.arrays import Arrays
 from amorsim.scenario.spec import Recording as What
-from amorsim.ui.simulator.intended import intended_of
-from amorsim.ui.simulator.recording import Recording
+from amorsim.ui.simulator.frames.intended import intended_of
+from amorsim.ui.simulator.sources.recording import Recording
 from tests.building import drive, encoder
 
 WALLS = am.Map.from_segments([[3.0, -0.4, 3.0, 0.4]], resolution=0.02, extent=(-2.0, -4.0, 8.0, 4.0))

@@ -10,7 +10,7 @@ from PIL import Image
 
 import amorsim as am
 from amorsim.estimators import DeadReckoning, GraphSlam, GridMapping
-from amorsim.ui.simulator.mapped import mapped_of
+from amorsim.ui.simulator.frames.mapped import mapped_of
 from tests.estimators.slam_rig import scenario
 
 SMALL = {"wheel_variance": 1e-3, "resolution": 0.1, "width": 9.0, "height": 7.0}

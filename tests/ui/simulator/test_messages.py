@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from amorsim.ui.serve.wire import LONGEST_MESSAGE, MessageError, decode, number_of
-from amorsim.ui.simulator.messages import COMMANDS, check
+from amorsim.ui.simulator.frames.messages import COMMANDS, check
 from amorsim.ui.simulator.project import place_for
 
 WEB = Path(__file__).parents[3] / "amorsim" / "ui" / "web"

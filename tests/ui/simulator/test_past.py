@@ -9,9 +9,9 @@ import numpy as np
 
 import amorsim as am
 from amorsim.noise.gaussian import Gaussian
-from amorsim.ui.simulator import past
-from amorsim.ui.simulator.frames import upper_triangle
-from amorsim.ui.simulator.player import Player
+from amorsim.ui.simulator.frames.frames import upper_triangle
+from amorsim.ui.simulator.sources import past
+from amorsim.ui.simulator.sources.player import Player
 from tests import building
 
 POSES, TWISTS, JOINTS = 12, 6, 4  # of a robot on two wheels

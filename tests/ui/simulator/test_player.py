@@ -12,10 +12,10 @@ import pytest
 
 import amorsim as am
 from amorsim.noise.gaussian import Gaussian
-from amorsim.ui.simulator.inputs import Input
-from amorsim.ui.simulator.packing import Dynamic, FrameFlag, RobotFlag
-from amorsim.ui.simulator.player import Player
-from amorsim.ui.simulator.timeline import MOST_MOMENTS, Paths
+from amorsim.ui.simulator.frames.packing import Dynamic, FrameFlag, RobotFlag
+from amorsim.ui.simulator.sources.inputs import Input
+from amorsim.ui.simulator.sources.player import Player
+from amorsim.ui.simulator.sources.timeline import MOST_MOMENTS, Paths
 from tests import building
 
 

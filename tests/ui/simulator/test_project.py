@@ -10,7 +10,7 @@ import pytest
 
 import amorsim as am
 from amorsim.core.errors import AmorsimError
-from amorsim.ui.simulator.messages import COMMANDS, check
+from amorsim.ui.simulator.frames.messages import COMMANDS, check
 from amorsim.ui.simulator.project import Saver, place_for
 from amorsim.ui.simulator.recipe import Recipe
 from amorsim.ui.simulator.saved_scenario import _copying

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from amorsim.ui.simulator.packing import (
+from amorsim.ui.simulator.frames.packing import (
     FRAME_HEADER,
     Bundle,
     Dynamic,

@@ -12,7 +12,7 @@ import amorsim as am
 from amorsim.runs.film import Film
 from amorsim.scenario.spec import Recording
 from amorsim.simulation.simulation import Simulation
-from amorsim.ui.simulator.recorded_film import film_recorded
+from amorsim.ui.simulator.sources.recorded_film import film_recorded
 from tests import building
 from tests.cli.conftest import Command, amorsim  # noqa: F401 - a fixture
 from tests.simulation.rigs import rig, stone, yard

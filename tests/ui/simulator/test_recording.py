@@ -17,10 +17,10 @@ from amorsim.recorders.arrays import Arrays
 from amorsim.scenario.colours import robot_colours
 from amorsim.scenario.spec import Recording as What
 from amorsim.simulation.simulation import Simulation
-from amorsim.ui.simulator.packing import Dynamic, RobotFlag
-from amorsim.ui.simulator.player import Player
-from amorsim.ui.simulator.recording import Recording
-from amorsim.ui.simulator.replaying import Replaying
+from amorsim.ui.simulator.frames.packing import Dynamic, RobotFlag
+from amorsim.ui.simulator.process.replaying import Replaying
+from amorsim.ui.simulator.sources.player import Player
+from amorsim.ui.simulator.sources.recording import Recording
 from tests import building
 from tests.golden.digests import SCENARIOS
 

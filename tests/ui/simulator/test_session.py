@@ -14,9 +14,9 @@ from typing import Any
 import pytest
 
 import amorsim as am
+from amorsim.ui.simulator.frame_buffer import FrameBuffer
+from amorsim.ui.simulator.frames.packing import Dynamic, FrameFlag, RobotFlag, unpack_frame
 from amorsim.ui.simulator.link import Link
-from amorsim.ui.simulator.mailbox import Mailbox
-from amorsim.ui.simulator.packing import Dynamic, FrameFlag, RobotFlag, unpack_frame
 from amorsim.ui.simulator.recipe import Recipe
 from amorsim.ui.simulator.session import Session
 from tests.processes import is_running
@@ -154,7 +154,7 @@ def test_its_state_is_touched_in_its_loop_alone(start: Make, monkeypatch: pytest
 
     session = start()
     for name in ("take", "stand_still", "newest"):
-        watch(Mailbox, name)
+        watch(FrameBuffer, name)
     for name in ("_heard", "_finish"):
         watch(Link, name)
     window = session.open_window()
@@ -275,7 +275,7 @@ def test_nobody_waits_for_a_window_and_none_leaves_anything_behind(start: Make) 
                 await waiting
 
     aside(impatient())
-    until(lambda: session.session._mailbox.waiting == 0)
+    until(lambda: session.session._frame_buffer.waiting == 0)
     # A loop that has gone takes no frame with it.
     with pytest.raises(asyncio.TimeoutError):
         aside(asyncio.wait_for(session.newest_frame(number), 0.01))
@@ -433,8 +433,8 @@ def test_a_child_ends_with_a_parent_that_is_killed(tmp_path: Path) -> None:
         "    await session.start()\n"
         "    await session.request({'do': 'speed', 'factor': 5.0})\n"
         "    await session.request({'do': 'run'})\n"
-        "    while session._keeper.link.tick < 5: await asyncio.sleep(0.05)\n"
-        "    print(session._keeper.link.pid, flush=True)\n"
+        "    while session._supervisor.link.tick < 5: await asyncio.sleep(0.05)\n"
+        "    print(session._supervisor.link.pid, flush=True)\n"
         "    await asyncio.sleep(60)\n"
         "asyncio.run(main())\n"
     )

@@ -3,7 +3,7 @@
 import sys
 
 import amorsim as am
-from amorsim.ui.simulator.stacks import robot_of
+from amorsim.ui.simulator.process.stacks import robot_of
 from tests import building
 
 

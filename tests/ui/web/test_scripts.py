@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from amorsim.ui.simulator.packing import Dynamic, Selected, pack_frame, unpack_frame
+from amorsim.ui.simulator.frames.packing import Dynamic, Selected, pack_frame, unpack_frame
 from tests.ui.windows import Server, Window, new_user
 
 

@@ -8,7 +8,7 @@ import { drawing, more, reordering } from "./more.js";
 import { reshaping } from "./reshape.js";
 
 /**
- * A table of a thing, as `Section` in amorsim/ui/editor/inspector.py.
+ * A table of a thing, as `Section` in amorsim/ui/editor/inspectors/inspector.py.
  * @typedef {{title: string, path: string, depth: number, use: {kind: string, value: string, choices: string[], is_optional: boolean, op?: string} | null,
  *   fields: any[], toml: string | null, can_go: boolean, origin: string,
  *   adding: {label: string, path: string, kind: string, choices: string[], is_list: boolean, value?: any}[]}} Section

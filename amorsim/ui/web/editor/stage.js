@@ -17,7 +17,7 @@ import { PlacesLayer, ViewsLayer } from "./views.js";
 /** @typedef {import("../shared/tool.js").Place} Place */
 
 /**
- * A thing of the document, as `Thing` in amorsim/ui/editor/things.py.
+ * A thing of the document, as `Thing` in amorsim/ui/editor/inspectors/things.py.
  * @typedef {{path: string, kind: string, name: string, note: string, footprint: import("../simulator/wire.js").Outline | null, pose: number[] | null,
  *   moves: boolean, turns: boolean, robots: number[], obstacles: number[], places: import("./grips.js").PlaceOf[],
  *   mounts: {sensor: string, pose: number[]}[], faults: number}} Thing

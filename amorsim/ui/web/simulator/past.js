@@ -1,4 +1,4 @@
-// The past of a robot as the session tells it (see `Past` in `amorsim/ui/simulator/protocol.py`), as moments that read like frames.
+// The past of a robot as the session tells it (see `Past` in `amorsim/ui/simulator/frames/protocol.py`), as moments that read like frames.
 
 import { isRange } from "./readings.js";
 

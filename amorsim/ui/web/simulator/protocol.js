@@ -1,4 +1,4 @@
-// What `amorsim/ui/simulator/packing.py` packs, unpacked: the bytes of a frame.
+// What `amorsim/ui/simulator/frames/packing.py` packs, unpacked: the bytes of a frame.
 
 import { BLOCKS, FLAG, HEADER, HEADER_SIZE, MAGIC, ROBOT } from "./wire.js";
 

@@ -1,4 +1,4 @@
-// Readings as they are drawn and pointed at. Each style (see `Drawing` in `amorsim/ui/simulator/protocol.py`) has three functions:
+// Readings as they are drawn and pointed at. Each style (see `Drawing` in `amorsim/ui/simulator/frames/protocol.py`) has three functions:
 // `draw(brush, sensor, pose, values)`, `near(sensor, pose, values, x, y, reach, scale)`, the part of a reading within
 // `reach` of a point with its `gap`, or null; and `tell(sensor, reading, part)`, what that part is and reads.
 

@@ -1,0 +1,1 @@
+"""Files of scenarios, models and maps: found, read, written and copied."""

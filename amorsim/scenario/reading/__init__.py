@@ -1,0 +1,1 @@
+"""Reading: from the tables of a file to checked values, with every fault at its place."""

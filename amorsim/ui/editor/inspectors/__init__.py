@@ -1,0 +1,1 @@
+"""The things of a scenario and their inspectors: forms, fields and places."""

@@ -1,0 +1,1 @@
+"""Files of the Editor: texts, maps and pictures that are edited, and where they are kept."""

@@ -1,0 +1,1 @@
+"""The child process that simulates: its commands, its threads, and its pipes."""
