@@ -37,12 +37,12 @@ RAYS: dict[str, tuple[Published, ...]] = {
 """Rays a second on 5 cm cells, 1000 x 1000."""
 
 BESIDE = (
-    "Stage and f1tenth_gym are not in the package index. Run next to amorsim on one machine, in an office, they were "
-    "behind it by 3.2 to 5.3 and by 3.0 to 4.2 with one robot; Stage by 1.5 to 2.2 in a furnished office, and by 13 to "
-    "16 with 1000 robots.",
+    "Stage and f1tenth_gym are not in the package index. Run next to amorsim on one machine, before its step became a "
+    "schedule, they were ahead of it with one Pioneer in an office, by 1.3 and by 2.0, and in an open field by 1.5 and "
+    "by 2.2. With 100 discs in an open field amorsim was ahead, by 17 and by 158.",
     "A fleet of ten models in Stage made about 5000 robot-steps a second there.",
-    "In an open field with one robot, a C++ program written on Box2D was ahead of amorsim by 1.4, and navground level "
-    "with it.",
+    "With one Pioneer, a C++ program written on Box2D was ahead of amorsim by 2.2 in an office and by 8 in an open "
+    "field; in a furnished office amorsim was, by 1.1, and with 100 discs in an open field by 7.6.",
     "range_libc's look-up table was 2.8 times as fast as amorsim on cells of 5 cm; it is approximate.",
 )
 """What was measured next to amorsim on one machine in 2026, and is not measured here."""
