@@ -137,7 +137,7 @@ def _mppi(rounds: int, quick: bool, clock: Clock, say: Callable[[str], None]) ->
     """What a step of a robot takes that decides by MPPI, its sensors and all else included."""
     runs, steps = 1000, 56
     robot = am.load_robot("pioneer2dx")
-    controller = am.controllers.Mppi(goals=((9.0, 5.0), (1.0, 5.0)), loop=True, runs=runs, steps=steps)
+    controller = am.controllers.Mppi(goals=((9.0, 5.0), (1.0, 5.0)), loop=True, samples=runs, time_steps=steps)
     room = am.Map.from_segments([(0, 0, 10, 0), (10, 0, 10, 10), (10, 10, 0, 10), (0, 10, 0, 0), (5, 4, 5, 6)])
     placed = attrs.evolve(robot, controller=controller, pose=am.Pose(x=1.0, y=5.0))
     simulation = am.Simulation(am.Scenario(map=room, robots=[placed], dt=DT, seed=11))

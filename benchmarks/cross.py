@@ -46,7 +46,7 @@ Way = Callable[..., am.Controller]
 
 def _human_like(**given: Any) -> am.Controller:
     """With the parameters of the tutorial: eta 0.25 s, tau 0.5 s, horizon 5 m."""
-    return am.controllers.HumanLike(reaction=0.25, relaxation=0.5, horizon=5.0, **given)
+    return am.controllers.HumanLike(reaction_time=0.25, relaxation_time=0.5, horizon=5.0, **given)
 
 
 WAYS: dict[str, Way] = {

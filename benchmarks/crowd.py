@@ -65,12 +65,12 @@ class Ours:
                 pose=am.Pose(x=x, y=y),
                 motion=am.motions.Pedestrian(
                     goals=tuple(map(tuple, between)),
-                    near=1.0,
+                    tolerance=1.0,
                     relative=True,
-                    step=1.0,
+                    step_time=1.0,
                     speed=SPEED,
                     speed_std=0.0,
-                    waver=0.0,
+                    velocity_noise=0.0,
                 ),
             )
             for n, ((x, y), between) in enumerate(zip(starts.tolist(), goals.tolist(), strict=True))

@@ -192,30 +192,31 @@ class HumanLike(Among):
 
     It looks in all directions up to about a right angle from the goal's, and computes how far it could go in each
     before it meets another robot that keeps its velocity. It takes the direction that leads nearest to the goal, at a
-    speed at which the free way ahead lasts for `reaction`. After J. Guzzi and others, "Human-friendly robot navigation
-    in dynamic environments", ICRA 2013. Robots may block one another for ever; they then report a ``deadlock``.
+    speed at which the free way ahead lasts for `reaction_time`. After J. Guzzi and others, "Human-friendly robot
+    navigation in dynamic environments", ICRA 2013. Robots may block one another for ever; they then report a
+    ``deadlock``.
 
     Parameters
     ----------
     horizon
         How far ahead it looks [m].
-    reaction
+    reaction_time
         Time in which it could cover the free way ahead [s].
-    relaxation
+    relaxation_time
         Time constant with which its speeds follow what it wants [s].
     directions
         How many directions there are in a full circle.
     """
 
     horizon: float = parameter(5.0, unit="m", gt=0, help="how far ahead it looks")
-    reaction: float = parameter(0.5, unit="s", gt=0, help="in which it could cover the free way ahead")
-    relaxation: float = parameter(0.125, unit="s", ge=0, help="with which its speeds follow what it wants")
+    reaction_time: float = parameter(0.5, unit="s", gt=0, help="in which it could cover the free way ahead")
+    relaxation_time: float = parameter(0.125, unit="s", ge=0, help="with which its speeds follow what it wants")
     directions: int = parameter(101, ge=8, le=10_000, static=True, help="how many there are in a full circle")
 
     @property
     def slowness(self) -> Any:
         """Its relaxation."""
-        return self.relaxation
+        return self.relaxation_time
 
     def start_steering(self, context: Context) -> State:
         """The robot's account of its twist, the free ways, and the bearing of the target from which they count."""
@@ -232,7 +233,7 @@ class HumanLike(Among):
         """The velocities towards the best directions."""
         out = np.empty((len(own), 2))
         mine: Any = self
-        asked = others, target, radius, mine.speed, mine.reaction, mine.horizon, self.directions
+        asked = others, target, radius, mine.speed, mine.reaction_time, mine.horizon, self.directions
         draws.share(_WORK, lambda first, end: human_velocities(*asked, first, end, state["ways"], out))
         state["towards"] = np.arctan2(target[:, 1:], target[:, :1])
         return out
@@ -267,28 +268,30 @@ class Hrvo(_ByVelocity):
 class SocialForce(Among):
     """Drives to goals among others as pedestrians do, by the social force model.
 
-    It speeds up towards the goal within `relaxation`, and is pushed away by the others, the more the nearer their next
-    step leads them. After D. Helbing and P. Molnar, "Social force model for pedestrian dynamics", Physical Review E 51,
-    1995; as the motion `pedestrian` does. It guarantees nothing: robots may touch.
+    It speeds up towards the goal within `relaxation_time`, and is pushed away by the others, the more the nearer
+    their next step leads them. After D. Helbing and P. Molnar, "Social force model for pedestrian dynamics", Physical
+    Review E 51, 1995; as the motion `pedestrian` does. It guarantees nothing: robots may touch.
 
     Parameters
     ----------
-    relaxation
+    relaxation_time
         Time in which it gets to the speed that it wants [s].
     strength, range
         Of the repulsion by others [m^2/s^2] and [m].
-    ahead
+    step_time
         How far ahead it sees the others' steps [s].
-    sight
-        Angle of sight [rad]; what is out of it counts `behind`.
+    field_of_view
+        Angle of sight [rad]; what is out of it counts `behind_weight`.
     """
 
-    relaxation: float = parameter(0.5, unit="s", gt=0, help="in which it gets to the speed that it wants")
+    relaxation_time: float = parameter(0.5, unit="s", gt=0, help="in which it gets to the speed that it wants")
     strength: float = parameter(2.1, unit="m^2/s^2", ge=0, help="of the repulsion by others")
     range: float = parameter(0.3, unit="m", gt=0, help="of the repulsion by others")
-    ahead: float = parameter(2.0, unit="s", gt=0, help="for which it sees the others' steps")
-    sight: float = parameter(200.0 / 180.0 * math.pi, unit="rad", gt=0, le=2.0 * math.pi, help="its angle of sight")
-    behind: float = parameter(0.5, ge=0, le=1, help="what counts that is out of sight")
+    step_time: float = parameter(2.0, unit="s", gt=0, help="for which it sees the others' steps")
+    field_of_view: float = parameter(
+        200.0 / 180.0 * math.pi, unit="rad", gt=0, le=2.0 * math.pi, help="its angle of sight"
+    )
+    behind_weight: float = parameter(0.5, ge=0, le=1, help="what counts that is out of sight")
 
     def choose(
         self, others: Array, own: Array, target: Array, radius: Array, dt: float, state: State, draws: Draws
@@ -310,8 +313,14 @@ class SocialForce(Among):
         first[1:] = np.cumsum(np.count_nonzero(there, axis=1))
         body = np.flatnonzero(there)
         numbers = np.zeros((rows, 10))
-        cosine = np.cos(0.5 * np.asarray(self.sight))
-        for column, value in ((0, self.strength), (1, self.range), (2, self.ahead), (5, cosine), (6, self.behind)):
+        cosine = np.cos(0.5 * np.asarray(self.field_of_view))
+        for column, value in (
+            (0, self.strength),
+            (1, self.range),
+            (2, self.step_time),
+            (5, cosine),
+            (6, self.behind_weight),
+        ):
             numbers[:, column : column + 1] = value
         numbers[:, 4] = 1.0
         numbers[:, 9] = 1.0
@@ -330,7 +339,7 @@ class SocialForce(Among):
             force,
         )
         wanted = _wanted(target, self.speed)
-        found = own + dt * ((wanted - own) / self.relaxation + force)
+        found = own + dt * ((wanted - own) / self.relaxation_time + force)
         size = np.sqrt(found[:, :1] ** 2 + found[:, 1:] ** 2)
         speed: Any = self.speed
         return np.asarray(found * np.minimum(1.0, speed / np.maximum(size, 1e-9)))

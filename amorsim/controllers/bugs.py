@@ -24,7 +24,7 @@ _SECTORS = 180
 class _Bug(Headed):
     kernel: ClassVar[Callable[..., None]]
 
-    far: float = parameter(0.5, unit="m", gt=0, help="how far it looks")
+    range_max: float = parameter(0.5, unit="m", gt=0, help="how far it looks")
 
     def start_steering(self, context: Context) -> State:
         """As of all that choose a direction, and what a bug remembers."""
@@ -40,7 +40,7 @@ class _Bug(Headed):
         """The direction to the goal, or along a border."""
         bearing = np.empty((len(target), 1))
         step = float(state["step"][0, 0]) if len(target) else 0.0
-        asked: Any = (points, room, target, pose, self.far, step, state["histogram"], state["bug"], bearing)
+        asked: Any = (points, room, target, pose, self.range_max, step, state["histogram"], state["bug"], bearing)
         type(self).kernel(*asked)
         return bearing
 
@@ -59,7 +59,7 @@ class Bug2(_Bug):
 
     Parameters
     ----------
-    far
+    range_max
         Distance at which something is in the way [m].
     """
 
@@ -75,13 +75,13 @@ class TangentBug(_Bug):
 
     Parameters
     ----------
-    far
+    range_max
         How far it looks [m].
     """
 
     kernel: ClassVar[Callable[..., None]] = staticmethod(tangent_bug)
 
-    far: float = parameter(2.0, unit="m", gt=0, help="how far it looks")
+    range_max: float = parameter(2.0, unit="m", gt=0, help="how far it looks")
 
 
 @attrs.frozen(kw_only=True)
@@ -95,15 +95,15 @@ class NearnessDiagram(Headed):
     ----------
     sectors
         How many directions there are.
-    far
+    range_max
         How far it looks [m].
-    near
+    turn_distance
         Distance from the circle around its footprint from which on it turns away from things [m].
     """
 
     sectors: int = parameter(180, ge=8, le=100_000, static=True, help="how many directions there are")
-    far: float = parameter(1.5, unit="m", gt=0, help="how far it looks")
-    near: float = parameter(0.2, unit="m", gt=0, help="distance from which on it turns away from things")
+    range_max: float = parameter(1.5, unit="m", gt=0, help="how far it looks")
+    turn_distance: float = parameter(0.2, unit="m", gt=0, help="distance from which on it turns away from things")
 
     def start_steering(self, context: Context) -> State:
         """As of all that choose a direction, and the diagram."""
@@ -112,7 +112,7 @@ class NearnessDiagram(Headed):
     def bearing(self, points: Array, room: Array, target: Array, pose: Array, state: State, draws: Draws) -> Array:
         """The direction through the region."""
         bearing = np.empty((len(target), 1))
-        nearness(points, room, target, self.far, self.near, state["histogram"], bearing)
+        nearness(points, room, target, self.range_max, self.turn_distance, state["histogram"], bearing)
         return bearing
 
     def beliefs(self, state: State) -> Beliefs:

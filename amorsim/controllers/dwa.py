@@ -12,7 +12,7 @@ import numpy.typing as npt
 from amorsim.contracts import Beliefs, Clock, Context, Draws, Measurement, RobotModel, State, parameter
 from amorsim.controllers.avoider import Avoider, body_of, sight_of
 from amorsim.controllers.driving import Course
-from amorsim.kernels.avoidance.dynamic_window import Abilities, Scene, Taste, choose_twists, keep_behind
+from amorsim.kernels.avoidance.dynamic_window import Abilities, Scene, Weights, choose_twists, keep_behind
 from amorsim.kernels.avoidance.guide import Guide
 
 __all__ = ["Dwa"]
@@ -37,15 +37,15 @@ class Dwa(Avoider):
     by the circle that it sweeps as it turns.
 
     It uses what its sensor sees now, and remembers for some seconds what it passed, so that its rear does not swing
-    into what it no longer sees. It knows no way round: a dead end stops it, which it reports. `Navigate`
-    leads it along a planned path. It drives backwards only if `back` allows it, and only as far as its sensor shows
+    into what it no longer sees. It knows no way round: a dead end stops it, which it reports. `Navigate` leads
+    it along a planned path. It drives backwards only if `reverse_speed` allows it, and only as far as its sensor shows
     that the way is free.
 
     Parameters
     ----------
     goals, loop, tolerance
         Where it drives [m], whether it goes round for ever, and how near to a goal it must come [m].
-    speed, back, turn_rate
+    speed, reverse_speed, turn_rate
         Fastest that it drives ahead and backwards [m/s], and turns [rad/s]; slower if the drive is slower.
     sensor
         Name of the range sensor that it uses, a scanner or a ring.
@@ -55,26 +55,30 @@ class Dwa(Avoider):
         Time without progress after which it reports that it is blocked [s].
     horizon
         How long a twist is thought to go on [s].
-    speeds, turns
+    speed_samples, turn_rate_samples
         How many of each it compares; their product is the number of arcs.
-    nose
+    forward_distance
         How far ahead of the base point the place is whose way to the goal counts [m].
-    pull
+    path_weight
         How many metres along the path one metre off the path counts.
-    room
+    obstacle_weight
         What a twist may cost [m] that would meet something at once; less, the later it would.
-    calm
+    turn_weight
         What the largest change of the turning rate costs [m].
     """
 
-    back: float = parameter(0.0, unit="m/s", ge=0, help="fastest that it drives backwards")
+    reverse_speed: float = parameter(0.0, unit="m/s", ge=0, help="fastest that it drives backwards")
     horizon: float = parameter(1.5, unit="s", gt=0, le=60, help="for which a twist is thought to go on")
-    speeds: int = parameter(7, ge=2, le=1000, static=True, help="how many speeds it compares")
-    turns: int = parameter(21, ge=3, le=1000, static=True, help="how many turning rates it compares for each speed")
-    nose: float = parameter(0.3, unit="m", ge=0, help="place ahead of the base point whose way to the goal counts")
-    pull: float = parameter(2.0, ge=1, help="metres along the path that a metre off it counts")
-    room: float = parameter(0.3, unit="m", ge=0, help="cost of a twist that would meet something at once")
-    calm: float = parameter(0.05, unit="m", ge=0, help="cost of the largest change of turning")
+    speed_samples: int = parameter(7, ge=2, le=1000, static=True, help="how many speeds it compares")
+    turn_rate_samples: int = parameter(
+        21, ge=3, le=1000, static=True, help="how many turning rates it compares for each speed"
+    )
+    forward_distance: float = parameter(
+        0.3, unit="m", ge=0, help="place ahead of the base point whose way to the goal counts"
+    )
+    path_weight: float = parameter(2.0, ge=1, help="metres along the path that a metre off it counts")
+    obstacle_weight: float = parameter(0.3, unit="m", ge=0, help="cost of a twist that would meet something at once")
+    turn_weight: float = parameter(0.05, unit="m", ge=0, help="cost of the largest change of turning")
 
     def start_steering(self, context: Context) -> State:
         """The sensor's beams, the drive's limits, what it passed, and room for the arcs."""
@@ -82,7 +86,7 @@ class Dwa(Avoider):
         return {
             **super().start_steering(context),
             "behind": behind,
-            "arcs": np.full((context.rows, self.speeds, self.turns, 3), np.nan),
+            "arcs": np.full((context.rows, self.speed_samples, self.turn_rate_samples, 3), np.nan),
         }
 
     def steer(
@@ -99,14 +103,16 @@ class Dwa(Avoider):
         """The twists `(N, 3)` along the paths of `guide`; robots that are not `active` brake."""
         box, margin = body_of(robot, self.clearance)
         own: Any = self
-        able = Abilities(own.speed, own.back, own.turn_rate, state["limits"], state["curvature"], state["lag"])
-        taste = Taste(margin, own.horizon, own.nose, own.pull, own.room, own.calm)
+        able = Abilities(own.speed, own.reverse_speed, own.turn_rate, state["limits"], state["curvature"], state["lag"])
+        weights = Weights(
+            margin, own.horizon, own.forward_distance, own.path_weight, own.obstacle_weight, own.turn_weight
+        )
         reading = readings[self.sensor]
         sight = sight_of(robot, reading, self.sensor, course.joints, state)
         twist = np.empty((robot.rows, 3))
         scene = Scene(sight, reading.age, state["behind"], clock.time)
         draws.share(_LOOK, lambda first, end: keep_behind(scene, course.poses, state["moving"], first, end))
-        mine = scene, course.poses, box, guide, able, taste, active, clock.dt, state["moving"]
+        mine = scene, course.poses, box, guide, able, weights, active, clock.dt, state["moving"]
         draws.share(_WORK, lambda first, end: choose_twists(*mine, first, end, state["arcs"], twist))
         return twist
 

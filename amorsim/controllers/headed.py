@@ -97,16 +97,16 @@ class Headed(Avoider):
 class VfhPlus(Headed):
     """Drives to goals through openings between what it sees, by the vector field histogram (VFH+).
 
-    It marks the directions in which the circle around its footprint would meet something within `far`, and takes, of
-    the openings that are left, the direction that is least off the goal, its heading and its last choice. After I.
-    Ulrich and J. Borenstein, "VFH+: reliable obstacle avoidance for fast mobile robots", ICRA 1998; without its
-    certainty grid, as the sensor sees all that counts at once.
+    It marks the directions in which the circle around its footprint would meet something within `range_max`, and
+    takes, of the openings that are left, the direction that is least off the goal, its heading and its last choice.
+    After I. Ulrich and J. Borenstein, "VFH+: reliable obstacle avoidance for fast mobile robots", ICRA 1998; without
+    its certainty grid, as the sensor sees all that counts at once.
 
     Parameters
     ----------
     sectors
         How many directions there are.
-    far
+    range_max
         How far it looks [m].
     goal_weight, heading_weight, last_weight
         What the angles from the goal, from its heading, and from its last choice count. If the first is larger than the
@@ -114,7 +114,7 @@ class VfhPlus(Headed):
     """
 
     sectors: int = parameter(72, ge=8, le=100_000, static=True, help="how many directions there are")
-    far: float = parameter(1.5, unit="m", gt=0, help="how far it looks")
+    range_max: float = parameter(1.5, unit="m", gt=0, help="how far it looks")
     goal_weight: float = parameter(5.0, ge=0, help="of the angle from the goal")
     heading_weight: float = parameter(2.0, ge=0, help="of the angle from its heading")
     last_weight: float = parameter(2.0, ge=0, help="of the angle from its last choice")
@@ -130,7 +130,7 @@ class VfhPlus(Headed):
         for column, value in enumerate((self.goal_weight, self.heading_weight, self.last_weight)):
             weights[:, column : column + 1] = value
         chosen = state["bearing"].copy()
-        asked = points, room, self.far, target, weights
+        asked = points, room, self.range_max, target, weights
         draws.share(_WORK, lambda first, end: choose_openings(*asked, first, end, state["histogram"], chosen))
         return chosen
 
@@ -152,12 +152,12 @@ class PotentialField(Headed):
     strength
         Of the repulsion, where the attraction is 1: at the distance d [m] from the circle around the footprint it is
         ``strength * (1 / d - 1 / far)``, over all that is seen in equal shares of the full angle.
-    far
+    influence_distance
         Distance beyond which nothing repels [m].
     """
 
     strength: float = parameter(0.3, unit="m", ge=0, help="of the repulsion")
-    far: float = parameter(1.0, unit="m", gt=0, help="distance beyond which nothing repels")
+    influence_distance: float = parameter(1.0, unit="m", gt=0, help="distance beyond which nothing repels")
 
     def start_steering(self, context: Context) -> State:
         """As of all that choose a direction, and the force."""
@@ -166,7 +166,7 @@ class PotentialField(Headed):
     def bearing(self, points: Array, room: Array, target: Array, pose: Array, state: State, draws: Draws) -> Array:
         """The direction of the force."""
         bearing = np.empty((len(target), 1))
-        push_away(points, room, target, self.strength, self.far, state["force"], bearing)
+        push_away(points, room, target, self.strength, self.influence_distance, state["force"], bearing)
         return bearing
 
     def beliefs(self, state: State) -> Beliefs:

@@ -31,48 +31,50 @@ _SHOWN = 24  # runs among its beliefs
 class Mppi(Avoider):
     """Drives to goals past what it sees, by model predictive path integral control (MPPI).
 
-    It keeps a plan of twists for the next ``steps * step`` seconds. In each step it makes `runs` copies of the plan
-    with noise, drives each ahead by its own model of the drive, and replaces the plan by their mean, weighted by
-    ``exp(-cost / temperature)``. The cost is the way to the goal from where a run ends, and what it passes too near.
+    It keeps a plan of twists for the next ``time_steps * time_step`` seconds. In each step it makes `samples` copies of
+    the plan with noise, drives each ahead by its own model of the drive, and replaces the plan by their mean, weighted
+    by ``exp(-cost / temperature)``. The cost is the way to the goal from where a run ends, and what it passes too near.
     It drives the first twist of the plan if it could brake from it before its footprint meets something seen;
     otherwise it brakes. After G. Williams, A. Aldrich and E. Theodorou, "Model predictive path integral control", JGCD
     40 (2), 2017.
 
     Parameters
     ----------
-    runs, steps, step
+    samples, time_steps, time_step
         How many runs ahead there are, of how many steps, and how long a step is [s].
-    speed_noise, turn_noise
+    speed_noise, turn_rate_noise
         Standard deviations of the noise [m/s] and [rad/s]. Without noise it drives its plan as it is, for which it has
         no reason to change: it stands.
     temperature
         Cost by which a run may be worse than the best and still count [m].
-    pull
+    path_weight
         How many metres along the path one metre off the path counts.
-    near, within, touch
+    obstacle_weight, obstacle_distance, collision_weight
         What it costs [m] to be near something all the time, from which distance on [m], and to touch something [m].
     window, cell
         Side of the square in which it looks up distances [m], and of its cells [m].
     """
 
-    runs: int = parameter(300, ge=1, le=100_000, static=True, help="how many runs ahead there are")
-    steps: int = parameter(30, ge=1, le=10_000, static=True, help="how many steps a run has")
-    step: float = parameter(0.05, unit="s", gt=0, static=True, help="how long a step of a run is")
-    back: float = parameter(0.0, unit="m/s", ge=0, help="fastest that it drives backwards")
+    samples: int = parameter(300, ge=1, le=100_000, static=True, help="how many runs ahead there are")
+    time_steps: int = parameter(30, ge=1, le=10_000, static=True, help="how many steps a run has")
+    time_step: float = parameter(0.05, unit="s", gt=0, static=True, help="how long a step of a run is")
+    reverse_speed: float = parameter(0.0, unit="m/s", ge=0, help="fastest that it drives backwards")
     speed_noise: float = parameter(0.2, unit="m/s", ge=0, help="standard deviation of the noise of the speed")
-    turn_noise: float = parameter(0.6, unit="rad/s", ge=0, help="standard deviation of the noise of the turning rate")
+    turn_rate_noise: float = parameter(
+        0.6, unit="rad/s", ge=0, help="standard deviation of the noise of the turning rate"
+    )
     temperature: float = parameter(0.05, unit="m", gt=0, help="by which a run may be worse and still count")
-    pull: float = parameter(2.0, ge=1, help="metres along the path that a metre off it counts")
-    near: float = parameter(1.0, unit="m", ge=0, help="cost of being against something all the time")
-    within: float = parameter(0.2, unit="m", gt=0, help="distance from which on things cost")
-    touch: float = parameter(5.0, unit="m", ge=0, help="cost of touching something")
+    path_weight: float = parameter(2.0, ge=1, help="metres along the path that a metre off it counts")
+    obstacle_weight: float = parameter(1.0, unit="m", ge=0, help="cost of being against something all the time")
+    obstacle_distance: float = parameter(0.2, unit="m", gt=0, help="distance from which on things cost")
+    collision_weight: float = parameter(5.0, unit="m", ge=0, help="cost of touching something")
     window: float = parameter(6.0, unit="m", gt=0, le=100, static=True, help="side of the square of distances")
     cell: float = parameter(0.05, unit="m", gt=0, static=True, help="side of its cells")
 
     def start_steering(self, context: Context) -> State:
         """The sensor's beams, the drive's limits, a plan to stand, and room for some of the runs."""
-        runs = np.zeros((context.rows, min(self.runs, _SHOWN), self.steps, 2))
-        return {**super().start_steering(context), "plan": np.zeros((context.rows, self.steps, 2)), "runs": runs}
+        runs = np.zeros((context.rows, min(self.samples, _SHOWN), self.time_steps, 2))
+        return {**super().start_steering(context), "plan": np.zeros((context.rows, self.time_steps, 2)), "runs": runs}
 
     def steer(
         self,
@@ -91,20 +93,22 @@ class Mppi(Avoider):
         own: Any = self
         reading = readings[self.sensor]
         sight = sight_of(robot, reading, self.sensor, course.joints, state)
-        able = Abilities(own.speed, own.back, own.turn_rate, state["limits"], state["curvature"], state["lag"])
-        costs = Costs(own.temperature, own.pull, own.near, own.within, own.touch, margin)
+        able = Abilities(own.speed, own.reverse_speed, own.turn_rate, state["limits"], state["curvature"], state["lag"])
+        costs = Costs(
+            own.temperature, own.path_weight, own.obstacle_weight, own.obstacle_distance, own.collision_weight, margin
+        )
         field = Field(max(math.ceil(self.window / self.cell), 2), self.cell)
-        plan = _later(state["plan"], clock.dt / self.step)
-        noise = draws.normal(self.runs * self.steps * 2).reshape(rows, self.runs, self.steps, 2)
+        plan = _later(state["plan"], clock.dt / self.time_step)
+        noise = draws.normal(self.samples * self.time_steps * 2).reshape(rows, self.samples, self.time_steps, 2)
         scale = np.empty((rows, 1, 1, 2))
-        scale[:, 0, 0, :1], scale[:, 0, 0, 1:] = own.speed_noise, own.turn_noise
+        scale[:, 0, 0, :1], scale[:, 0, 0, 1:] = own.speed_noise, own.turn_rate_noise
         noise = noise * scale
         mine = sight, reading.age, course.poses, _discs(box), field, guide, able, costs
         moving = state["moving"]
         before = plan.copy()
         draws.share(
-            self.runs * self.steps // 4,
-            lambda first, end: roll_out(*mine, noise, self.step, moving, first, end, plan),
+            self.samples * self.time_steps // 4,
+            lambda first, end: roll_out(*mine, noise, self.time_step, moving, first, end, plan),
         )
         # The kernel leaves in `noise` what the drive could follow of it.
         state["runs"] = before[:, None] + noise[:, :_SHOWN]

@@ -88,7 +88,7 @@ class PathPursuit(Avoider):
         Fastest that it drives and turns; slower if the drive is slower.
     lookahead
         Distance along the path to the point that it steers to [m].
-    stop
+    stop_distance
         Distance along the path [m] from its end, or from where it changes direction, at which it stops.
     pause
         Time [s] for which it hardly moves at the start of a path, and where it changes direction, while its wheels
@@ -102,7 +102,9 @@ class PathPursuit(Avoider):
     """
 
     lookahead: float = parameter(0.5, unit="m", gt=0, help="how far ahead on the path it looks")
-    stop: float = parameter(0.02, unit="m", gt=0, help="how near to the end, or where it turns about, it stops")
+    stop_distance: float = parameter(
+        0.02, unit="m", gt=0, help="how near to the end, or where it turns about, it stops"
+    )
     pause: float = parameter(
         0.0, unit="s", ge=0, help="time for which it hardly moves where it changes direction, while its wheels steer"
     )
@@ -220,7 +222,7 @@ class PathPursuit(Avoider):
                 loops=False,
             ),
             look,
-            own.stop[this],
+            own.stop_distance[this],
             pure_pursuit.Pace(speed, own.turn_rate[this], limits[this], bend),
             dt,
             line.progress,

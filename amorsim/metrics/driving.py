@@ -80,7 +80,7 @@ class ArrivalTime(Metric):
     better: ClassVar[str] = "lower"
 
     goal: tuple[float, float] = parameter(unit="m", frame="world", help="where it is to go")
-    within: float = parameter(0.5, unit="m", gt=0, help="how near the goal counts as arrived")
+    tolerance: float = parameter(0.5, unit="m", gt=0, help="how near the goal counts as arrived")
 
     def needs(self) -> Sequence[str]:
         """See `Metric`."""
@@ -88,7 +88,7 @@ class ArrivalTime(Metric):
 
     def measure(self, episode: Episode) -> Array:
         """See `Metric`."""
-        near = _near(episode, self.goal, self.within)
+        near = _near(episode, self.goal, self.tolerance)
         first = episode.time[np.argmax(near, axis=0)] - episode.time[0]
         return np.where(near.any(axis=0), first, np.nan)
 
@@ -122,7 +122,7 @@ class Success(Metric):
     goal: tuple[float, float] | None = parameter(
         None, unit="m", frame="world", help="where it is to go; none: anywhere"
     )
-    within: float = parameter(0.5, unit="m", gt=0, help="how near the goal counts as arrived")
+    tolerance: float = parameter(0.5, unit="m", gt=0, help="how near the goal counts as arrived")
     collisions: int = parameter(0, ge=0, help="how many collisions are forgiven")
 
     def needs(self) -> Sequence[str]:
@@ -134,7 +134,7 @@ class Success(Metric):
         is_safe = _counts(episode, "collision") <= self.collisions
         if self.goal is None:
             return np.where(is_safe, 1.0, 0.0)
-        return np.where(is_safe & _near(episode, self.goal, self.within).any(axis=0), 1.0, 0.0)
+        return np.where(is_safe & _near(episode, self.goal, self.tolerance).any(axis=0), 1.0, 0.0)
 
 
 def _near(episode: Episode, goal: tuple[float, float], within: float) -> npt.NDArray[np.bool_]:

@@ -85,8 +85,8 @@ class RecoveryTime(Metric):
     unit: ClassVar[str] = "s"
     better: ClassVar[str] = "lower"
 
-    within: float = parameter(0.5, unit="m", gt=0, help="how near counts as recovered")
-    hold: float = parameter(0.0, unit="s", ge=0, help="how long it must stay so")
+    tolerance: float = parameter(0.5, unit="m", gt=0, help="how near counts as recovered")
+    hold_time: float = parameter(0.0, unit="s", ge=0, help="how long it must stay so")
     estimator: str | None = parameter(None, refers="estimators", help=_WHOSE)
 
     def needs(self) -> Sequence[str]:
@@ -95,14 +95,14 @@ class RecoveryTime(Metric):
 
     def measure(self, episode: Episode) -> Array:
         """See `Metric`."""
-        near = _distances(episode, self.estimator) <= self.within
+        near = _distances(episode, self.estimator) <= self.tolerance
         found = np.full(near.shape[1], np.nan)
         since, first = np.zeros((2, near.shape[1]), dtype=np.int64)
         for jump in jumps(episode):
             # At that time itself it was still where it had been.
             since[jump.row], first[jump.row] = jump.place, jump.place + 1
         # Times are sums of steps; a hold of three of them is three.
-        hold = self.hold * (1.0 - 1e-9)
+        hold = self.hold_time * (1.0 - 1e-9)
         for row in range(near.shape[1]):
             begun = None
             for step in range(first[row], len(near)):

@@ -26,7 +26,7 @@ class Clearance(Metric):
     unit: ClassVar[str] = "m"
     better: ClassVar[str] = "higher"
 
-    most: float = parameter(2.0, unit="m", gt=0, help="larger gaps count as this one, which saves time")
+    gap_max: float = parameter(2.0, unit="m", gt=0, help="larger gaps count as this one, which saves time")
 
     def needs(self) -> Sequence[str]:
         """See `Metric`."""
@@ -37,23 +37,23 @@ class Clearance(Metric):
         parts = episode.kept["part_pose"]
         bodies = [(episode.shape, episode.kept["true_pose"])]
         bodies += [(part.shape, parts[:, :, place]) for place, part in enumerate(episode.parts)]
-        least = np.full(len(episode.replicas), self.most)
+        least = np.full(len(episode.replicas), self.gap_max)
         for row in range(len(least)):
             world = episode.map_of(row)
             for shape, poses in bodies:
-                gaps, _ = wall_gaps(world, [shape] * len(poses), poses[:, row], self.most)
+                gaps, _ = wall_gaps(world, [shape] * len(poses), poses[:, row], self.gap_max)
                 least[row] = min(least[row], gaps.min())
         return np.asarray(np.maximum(least, 0.0))
 
 
 @attrs.frozen(kw_only=True)
 class Coverage(Metric):
-    """Floor that the robot passed: the area of the cells whose middle was within `reach` of its base point."""
+    """Floor that the robot passed: the area of the cells whose middle was within `radius` of its base point."""
 
     unit: ClassVar[str] = "m^2"
     better: ClassVar[str] = "higher"
 
-    reach: float = parameter(0.25, unit="m", gt=0, help="how far from its base point it covers the floor")
+    radius: float = parameter(0.25, unit="m", gt=0, help="how far from its base point it covers the floor")
     cell: float = parameter(0.1, unit="m", gt=0, help="side of the cells that are counted")
 
     def needs(self) -> Sequence[str]:
@@ -62,7 +62,7 @@ class Coverage(Metric):
 
     def measure(self, episode: Episode) -> Array:
         """See `Metric`."""
-        reach = int(np.ceil(self.reach / self.cell)) + 1
+        reach = int(np.ceil(self.radius / self.cell)) + 1
         steps = np.arange(-reach, reach + 1)
         near = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
         points = episode.kept["true_pose"][..., :2]
@@ -75,7 +75,7 @@ class Coverage(Metric):
                 part = slice(first, first + max(1, _MOST_CELLS // len(near)))
                 around = cells[part, None, :] + near
                 apart = (around + 0.5) * self.cell - place[part, None, :]
-                inside = apart[..., 0] ** 2 + apart[..., 1] ** 2 <= self.reach**2
+                inside = apart[..., 0] ** 2 + apart[..., 1] ** 2 <= self.radius**2
                 seen.update(map(tuple, np.unique(around[inside], axis=0).tolist()))
             area[row] = len(seen) * self.cell**2
         return area

@@ -28,8 +28,8 @@ _TABLE: Array = np.column_stack((np.cos(_BEARINGS), np.sin(_BEARINGS)))
 class Pedestrian(Motion):
     """Walks from goal to goal, kept away from others and from walls by social forces.
 
-    A pedestrian accelerates towards the goal within `relaxation`. Other bodies repel along ellipses that span their
-    next step, walls from their nearest points; things behind count less. The numbers are those of D. Helbing and
+    A pedestrian accelerates towards the goal within `relaxation_time`. Other bodies repel along ellipses that span
+    their next step, walls from their nearest points; things behind count less. The numbers are those of D. Helbing and
     P. Molnár, Social force model for pedestrian dynamics, Physical Review E 51 (1995) 4282-4286. Distances here go to
     the other's outline, so that the size of robots counts. With `relative`, ellipses span steps relative to the
     pedestrian's own (A. Johansson, D. Helbing and P. Shukla, Advances in Complex Systems 10, 2007): the pedestrian then
@@ -47,21 +47,21 @@ class Pedestrian(Motion):
         choices=("loop", "random", "once"),
         help="which goal is next: in turn, any other, or none after the last",
     )
-    near: float = parameter(0.5, unit="m", gt=0, help="how near to a goal he has reached it")
+    tolerance: float = parameter(0.5, unit="m", gt=0, help="how near to a goal he has reached it")
     speed: float = parameter(1.34, unit="m/s", ge=0, help="desired speed, mean over pedestrians")
     speed_std: float = parameter(0.26, unit="m/s", ge=0, help="its standard deviation over pedestrians")
-    relaxation: float = parameter(0.5, unit="s", gt=0, help="in which he takes up his speed")
+    relaxation_time: float = parameter(0.5, unit="s", gt=0, help="in which he takes up his speed")
     strength: float = parameter(2.1, unit="m^2/s^2", ge=0, help="of the repulsion by others")
     range: float = parameter(0.3, unit="m", gt=0, help="of the repulsion by others")
-    step: float = parameter(2.0, unit="s", ge=0, help="how far ahead others' ways are seen")
+    step_time: float = parameter(2.0, unit="s", ge=0, help="how far ahead others' ways are seen")
     relative: bool = parameter(False, help="whether others' ways are taken relative to his own, not over the ground")
     wall_strength: float = parameter(10.0, unit="m^2/s^2", ge=0, help="of the repulsion by walls")
     wall_range: float = parameter(0.2, unit="m", gt=0, help="of the repulsion by walls")
-    sight: float = parameter(
+    field_of_view: float = parameter(
         math.radians(200.0), unit="rad", ge=0, le=2.0 * math.pi, help="angle of sight, half of it to either side"
     )
-    behind: float = parameter(0.5, ge=0, le=1, help="weight of who is out of sight")
-    waver: float = parameter(0.1, unit="m/s/sqrt(s)", ge=0, help="random changes of his velocity, in a second")
+    behind_weight: float = parameter(0.5, ge=0, le=1, help="weight of who is out of sight")
+    velocity_noise: float = parameter(0.1, unit="m/s/sqrt(s)", ge=0, help="random changes of his velocity, in a second")
     avoid_robots: bool = parameter(True, help="whether robots repel him; if not, he walks as if there were none")
     blocked: str = parameter(
         "wait",
@@ -99,12 +99,12 @@ class Pedestrian(Motion):
         velocity = state["velocity"] * view.free
         # The velocity in the middle of the step, from the force of the previous step; then the force there.
         wanted = self._towards(view.body_pose[:, :2], state)
-        target = state["speed"] * wanted + self.relaxation * state["force"]
-        middle = target + (velocity - target) * np.exp(-0.5 * dt / self.relaxation)
+        target = state["speed"] * wanted + self.relaxation_time * state["force"]
+        middle = target + (velocity - target) * np.exp(-0.5 * dt / self.relaxation_time)
         mean, last = self._wanted(view, middle * dt, dt, state, uniform)
         ends = np.concatenate((wanted, last), axis=1)
         force = state["force"] = self._forces(view, middle, ends, 0.5 * dt, draws)
-        target = state["speed"] * mean + self.relaxation * force
+        target = state["speed"] * mean + self.relaxation_time * force
         after, way = self._relaxed(velocity, target, dt, normal[:, 1:])
         most = 1.3 * state["speed"]
         state["velocity"] = _no_faster(after, most)
@@ -117,7 +117,7 @@ class Pedestrian(Motion):
 
         Both are normal with a common part (an Ornstein-Uhlenbeck process and its integral); `normal` is `(N, 4)`.
         """
-        tau: Any = self.relaxation
+        tau: Any = self.relaxation_time
         part = dt / tau
         gone = -np.expm1(-part)
         # Variances and covariance of velocity and way, for noise of density 1.
@@ -126,9 +126,9 @@ class Pedestrian(Motion):
         of_way = tau**3 * np.where(part > 1e-2, part - gone - 0.5 * gone**2, part**3 * (1.0 / 3.0 - 0.25 * part))
         along = common / np.sqrt(of_velocity)
         aside = np.sqrt(np.maximum(of_way - along**2, 0.0))
-        after = target + (velocity - target) * (1.0 - gone) + self.waver * np.sqrt(of_velocity) * normal[:, :2]
+        after = target + (velocity - target) * (1.0 - gone) + self.velocity_noise * np.sqrt(of_velocity) * normal[:, :2]
         way = target * dt + (velocity - target) * (tau * gone)
-        return after, way + self.waver * (along * normal[:, :2] + aside * normal[:, 2:])
+        return after, way + self.velocity_noise * (along * normal[:, :2] + aside * normal[:, 2:])
 
     @property
     def _count(self) -> int:
@@ -154,8 +154,8 @@ class Pedestrian(Motion):
             return np.ones((view.rows, 1))
         place = view.body_pose[:, :2]
         before, after = self._way_to_goal(place, state)[2], self._way_to_goal(place + way, state)[2]
-        entered = (before - self.near) / np.maximum(before - after, STANDS)
-        part = np.where(before < self.near, 0.0, np.where(after < self.near, entered, 1.0))
+        entered = (before - self.tolerance) / np.maximum(before - after, STANDS)
+        part = np.where(before < self.tolerance, 0.0, np.where(after < self.tolerance, entered, 1.0))
         if self.blocked == "skip":
             waited = blocked_for(view, dt, state)
             gives_up = waited >= self.patience - 1e-9
@@ -179,7 +179,7 @@ class Pedestrian(Motion):
             return np.asarray(state["ahead"])
         dx, dy, distance = self._way_to_goal(place, state)
         is_last = np.asarray(self._count == 1 or self.order == "once") & (state["goal"] == self._count - 1)
-        stays = (distance < self.near) & is_last
+        stays = (distance < self.tolerance) & is_last
         scale = np.where(stays, 0.0, 1.0 / np.where(distance > STANDS, distance, 1.0))
         return np.concatenate((dx * scale, dy * scale), axis=1)
 
@@ -199,12 +199,12 @@ class Pedestrian(Motion):
         push = np.maximum(self.wall_strength / self.wall_range / NEGLIGIBLE, 2.0)
         look[:] = self.wall_range * np.log(push) + 2.0 * ahead * self.speed
         walls = view.cast(level, _BEARINGS[None, :], look, bodies=False)
-        half = np.cos(0.5 * self.sight)
+        half = np.cos(0.5 * self.field_of_view)
         relative, later = np.full((view.rows, 1), float(self.relative)), np.full((view.rows, 1), ahead)
         heeds_robots = np.full((view.rows, 1), float(self.avoid_robots))
-        strength, width, step = np.asarray(self.strength), np.asarray(self.range), np.asarray(self.step)
+        strength, width, step = np.asarray(self.strength), np.asarray(self.range), np.asarray(self.step_time)
         by_walls = (self.wall_strength, self.wall_range)
-        parts = (strength, width, step, *by_walls, half, self.behind, relative, later, heeds_robots)
+        parts = (strength, width, step, *by_walls, half, self.behind_weight, relative, later, heeds_robots)
         numbers = np.concatenate([np.asarray(part) for part in parts], axis=1)
         pace = np.sqrt(velocity[:, :1] ** 2 + velocity[:, 1:] ** 2)
         near = view.neighbours(range_of(strength, width, step, relative, later, pace), step + later)

@@ -18,12 +18,12 @@ Array = npt.NDArray[np.float64]
 class Wander(Motion):
     """Goes on at one speed on a course that drifts at random, and takes another one when something is in the way.
 
-    The course is a random walk: after t seconds it has turned by an angle of standard deviation `drift` sqrt(t). The
-    first course is random too.
+    The course is a random walk: after t seconds it has turned by an angle of standard deviation `course_std` sqrt(t).
+    The first course is random too.
     """
 
     speed: float = parameter(0.5, unit="m/s", ge=0, help="at which it goes")
-    drift: float = parameter(0.5, unit="rad/sqrt(s)", ge=0, help="standard deviation of the course after a second")
+    course_std: float = parameter(0.5, unit="rad/sqrt(s)", ge=0, help="standard deviation of the course after a second")
     blocked: str = parameter(
         "skip",
         choices=("wait", "skip"),
@@ -41,7 +41,7 @@ class Wander(Motion):
         """Straight along the course."""
         waited = blocked_for(view, dt, state)
         fresh = (2.0 * draws.uniform(1) - 1.0) * np.pi
-        course = state["course"] + self.drift * np.sqrt(dt) * draws.normal(1)
+        course = state["course"] + self.course_std * np.sqrt(dt) * draws.normal(1)
         turning = view.tick == 0
         if self.blocked == "skip":
             turning = turning | ((view.free < 1.0) & (waited >= self.patience - 1e-9))

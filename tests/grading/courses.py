@@ -27,7 +27,7 @@ time_limit = 2.0
 memory_limit = 4e9
 
 [criteria]
-arrived = { use = "success", goal = [2.2, 1.0], within = 0.3, points = 6.0 }
+arrived = { use = "success", goal = [2.2, 1.0], tolerance = 0.3, points = 6.0 }
 straight = { use = "turning", points = 4.0, none = 1.0, full = 0.0 }
 """
 GOOD = """\

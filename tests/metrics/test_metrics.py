@@ -107,22 +107,22 @@ def test_events_are_counted_for_their_replica() -> None:
 
 
 def test_arrival_is_the_first_time_near_the_goal() -> None:
-    found = ArrivalTime(goal=(2.5, 2.0), within=0.3001).measure(episode(straight()))
+    found = ArrivalTime(goal=(2.5, 2.0), tolerance=0.3001).measure(episode(straight()))
     assert found == pytest.approx([math.nan, 0.6], nan_ok=True)
 
 
 def test_success_is_to_arrive_without_a_collision() -> None:
     seen = episode(straight(), events=[event("collision", 0.2, 1)])
     assert Success().measure(seen).tolist() == [1.0, 0.0]
-    assert Success(goal=(2.0, 2.0), within=0.05).measure(seen).tolist() == [1.0, 0.0]
-    assert Success(goal=(3.0, 2.0), within=0.05, collisions=1).measure(seen).tolist() == [0.0, 1.0]
+    assert Success(goal=(2.0, 2.0), tolerance=0.05).measure(seen).tolist() == [1.0, 0.0]
+    assert Success(goal=(3.0, 2.0), tolerance=0.05, collisions=1).measure(seen).tolist() == [0.0, 1.0]
 
 
 def test_clearance_is_the_least_gap_to_a_wall() -> None:
     # The room is 6 m x 5 m, its walls a millimetre thick.
     found = Clearance().measure(episode(straight(21)))
     assert found == pytest.approx([0.8, 0.8], abs=2e-3)
-    assert Clearance(most=0.1).measure(episode(straight())) == pytest.approx([0.1, 0.1])
+    assert Clearance(gap_max=0.1).measure(episode(straight())) == pytest.approx([0.1, 0.1])
     assert Clearance().measure(episode(straight() - [0.9, 0.0, 0.0])).tolist() == [0.0, 0.0]
 
 
@@ -155,7 +155,7 @@ def test_clearance_is_of_each_replicas_own_world(tmp_path: Path) -> None:
 
 
 def test_coverage_is_the_area_that_a_disc_sweeps() -> None:
-    found = Coverage(reach=0.5, cell=0.02).measure(episode(straight()))
+    found = Coverage(radius=0.5, cell=0.02).measure(episode(straight()))
     wanted = [math.pi * 0.25 + 1.0 * 1.0, math.pi * 0.25 + 2.0 * 1.0]
     assert found == pytest.approx(wanted, rel=0.01)
 
@@ -171,7 +171,7 @@ def test_recovery_counts_from_the_last_kidnap(kind: str) -> None:
     assert RecoveryTime().measure(seen) == pytest.approx([0.8, math.nan], nan_ok=True)
     estimated[20, 0, 1] += 5.0
     again = episode(true, estimated, events)
-    assert RecoveryTime(hold=1.0).measure(again)[0] == pytest.approx(1.1)
+    assert RecoveryTime(hold_time=1.0).measure(again)[0] == pytest.approx(1.1)
 
 
 def test_a_jump_late_in_a_long_run_is_found_in_times_of_six_digits() -> None:

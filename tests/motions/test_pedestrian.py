@@ -12,7 +12,7 @@ from amorsim.motions import Pedestrian
 from tests import building
 from tests.motions.worlds import DT, obstacle, track, world
 
-CALM = {"waver": 0.0, "speed_std": 0.0}
+CALM = {"velocity_noise": 0.0, "speed_std": 0.0}
 BODY = am.Shape.circle(0.22)
 
 
@@ -90,7 +90,7 @@ def test_wavering_spreads_him_alike_at_any_step() -> None:
     gone_ = 1.0 - np.exp(-time / tau)
     expected = waver**2 * tau**3 * (time / tau - gone_ - 0.5 * gone_**2)
     for dt in (0.05, 0.5):
-        walk = walker("thing", 10.0, 10.0, speed=1.0, goals=((10.0, 10.0),), order="once", waver=waver)
+        walk = walker("thing", 10.0, 10.0, speed=1.0, goals=((10.0, 10.0),), order="once", velocity_noise=waver)
         robot = building.robot(pose=am.Pose(x=1.0, y=1.0))
         room = building.room(20.0, 20.0, 0.01)
         sim = am.Simulation(building.scenario(robot, map=room, obstacles=[walk], dt=dt), replicas=400)
@@ -155,7 +155,7 @@ def test_a_route_through_a_door_and_how_narrow_it_may_be(width: float, passes: b
     outer = "0 0 8000 0\n8000 0 8000 6000\n8000 6000 0 6000\n0 6000 0 0\n"
     (tmp_path / "gate.wld").write_text(f"{outer}4000 0 4000 {low}\n4000 {high} 4000 6000\n", encoding="utf-8")
     goals = ((3.6, 3.0), (4.6, 3.0), (6.5, 4.5))
-    motion = Pedestrian(goals=goals, order="once", relative=True, step=1.0, near=0.4, **CALM)
+    motion = Pedestrian(goals=goals, order="once", relative=True, step_time=1.0, tolerance=0.4, **CALM)
     walk = obstacle(motion, shape=am.Shape.circle(0.2), pose=am.Pose(x=1.5, y=1.5))
     robot = building.robot(pose=am.Pose(x=1.0, y=5.0))
     gate = am.load_map(tmp_path / "gate.wld", resolution=0.02)

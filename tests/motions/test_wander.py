@@ -13,7 +13,7 @@ from tests.motions.worlds import obstacle, track, world
 def test_the_course_drifts_as_it_says() -> None:
     # 400 replicas for 2 s: the course turns by a normal angle of standard deviation 0.4 sqrt(2); of 400 draws the
     # standard deviation is within 4 / sqrt(2 * 400) = 14 % of it, but for one seed in 16,000.
-    thing = obstacle(Wander(speed=0.5, drift=0.4), pose=am.Pose(x=5.0, y=5.0))
+    thing = obstacle(Wander(speed=0.5, course_std=0.4), pose=am.Pose(x=5.0, y=5.0))
     sim = world(thing, replicas=400)
     sim.step()
     first = np.array([np.arctan2(*sim.obstacle("thing", r).true_twist[1::-1]) for r in range(400)])
@@ -38,6 +38,6 @@ def test_it_keeps_its_speed_in_the_open_and_stays_in_the_room() -> None:
 
 def test_blocked_it_waits_for_ever_if_set_so() -> None:
     poses = track(
-        world(obstacle(Wander(speed=0.8, drift=0.0, blocked="wait"), pose=am.Pose(x=2.0, y=2.0)), size=4.0), 100
+        world(obstacle(Wander(speed=0.8, course_std=0.0, blocked="wait"), pose=am.Pose(x=2.0, y=2.0)), size=4.0), 100
     )
     assert (poses[-1] == poses[-20]).all()

@@ -120,11 +120,11 @@ def test_a_robot_without_pose_starts_where_the_map_says(read):
     assert read(ROVER).robots[0].pose == Pose(x=1.0, y=1.5, heading=math.radians(90.0))
 
 
-def test_a_robot_without_pose_starts_at_the_freest_place_of_a_map_that_says_none(read, folder):
-    (folder / "hall.wld").write_text(
+def test_a_robot_without_pose_starts_at_the_freest_place_of_a_map_that_says_none(read, tmp_path):
+    (tmp_path / "hall.wld").write_text(
         "width 4000\nheight 2000\n0 0 4000 0\n4000 0 4000 2000\n4000 2000 0 2000\n0 2000 0 0\n"
     )
-    scenario = read(f'format = 1\n[world]\nmap = "hall.wld"\n{ROVER}')
+    scenario = read(f'format = 1\n[world]\nmap = "hall.wld"\n{ROVER}', folder=tmp_path)
     pose = scenario.robots[0].pose
     assert not scenario.map.occupied([[pose.x, pose.y]])[0]
     assert 0.9 < pose.y < 1.1, "in the middle between the walls"

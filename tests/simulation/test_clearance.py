@@ -166,7 +166,8 @@ def test_bodies_far_apart_seldom_look_around(monkeypatch: pytest.MonkeyPatch) ->
     robots = [building.robot(name=f"r{i}", pose=am.Pose(x=-20.0 + 10.0 * i, y=0.0)) for i in range(3)]
     rigs = [rig(f"t{i}", x=-20.0 + 10.0 * i, y=10.0) for i in range(3)]
     posts = [am.Obstacle(name=f"o{i}", shape=am.Shape.circle(0.2), pose=am.Pose(x=5.0 * i, y=20.0)) for i in range(3)]
-    walkers = [attrs.evolve(post, name=f"w{i}", pose=am.Pose(x=5.0 * i, y=30.0), motion=Wander(speed=1.0, drift=0.0))
+    straight = Wander(speed=1.0, course_std=0.0)
+    walkers = [attrs.evolve(post, name=f"w{i}", pose=am.Pose(x=5.0 * i, y=30.0), motion=straight)
                for i, post in enumerate(posts)]  # fmt: skip
     sim = am.Simulation(building.scenario(*robots, *rigs, obstacles=[*posts, *walkers], map=building.empty(), dt=0.02))
     for name in sim.names:

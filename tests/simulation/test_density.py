@@ -26,7 +26,7 @@ def check(sim: am.Simulation) -> None:
 
 
 MOTIONS = [
-    Wander(speed=4.0, drift=2.0),
+    Wander(speed=4.0, course_std=2.0),
     Wander(speed=0.3, blocked="wait"),
     Loop(waypoints=((1.0, 1.0), (7.0, 7.0), (1.0, 7.0)), speed=5.0, blocked="skip", patience=0.1),
     Oscillate(waypoints=((0.5, 4.0), (7.5, 4.0)), speed=2.0),

@@ -188,7 +188,7 @@ def test_neighbours_are_the_bodies_near_in_each_replica_by_itself() -> None:
         name="runs",
         shape=am.Shape.circle(0.1),
         pose=am.Pose(x=1.0, y=9.0),
-        motion=am.motions.Wander(speed=0.5, drift=0.0),
+        motion=am.motions.Wander(speed=0.5, course_std=0.0),
     )
     robot = building.robot(sensors=sensors, pose=am.Pose(x=1.0, y=1.0))
     sim = am.Simulation(building.scenario(robot, map=building.room(10.0, 10.0), obstacles=[post, runs]), replicas=2)

@@ -86,7 +86,7 @@ EXAMPLES: dict[type, Any] = {
     Oscillate: Oscillate(**_ROUTE),
     Pursuit: Pursuit(waypoints=((4.0, 4.0), (6.0, 4.0), (6.0, 5.0)), loop=True),
     Navigate: Navigate(goals=((6.0, 4.0), (4.0, 4.0)), planner=AStar(cell=0.1)),
-    Mppi: Mppi(goals=((6.0, 4.0),), runs=20, steps=10),
+    Mppi: Mppi(goals=((6.0, 4.0),), samples=20, time_steps=10),
     **{
         kind: kind(goals=((6.0, 4.0), (4.0, 4.0)), loop=True)
         for kind in (

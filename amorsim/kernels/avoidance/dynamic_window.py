@@ -16,7 +16,7 @@ from amorsim.kernels.compile import kernel, part
 __all__ = [
     "Abilities",
     "Scene",
-    "Taste",
+    "Weights",
     "braking_time",
     "choose_twists",
     "field_of_view",
@@ -31,7 +31,7 @@ Bools = npt.NDArray[np.bool_]
 # A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
 Column = Any
 
-_LEAST_NOSE = 0.05  # [m] near the goal it is the base point that is to come there
+_FORWARD_LEAST = 0.05  # [m] near the goal it is the base point that is to come there
 _FAR = 3.0  # [m] along its path within which a robot looks for where it is
 
 
@@ -72,20 +72,20 @@ class Abilities(NamedTuple):
     """(N, 1) [s] of its motors."""
 
 
-class Taste(NamedTuple):
-    """What N robots look at when they compare twists, each (N, 1)."""
+class Weights(NamedTuple):
+    """What N robots compare twists by, each (N, 1)."""
 
     margin: Column
     """[m] kept around the footprint."""
     horizon: Column
     """[s] for which a twist is thought to go on."""
-    nose: Column
+    forward_distance: Column
     """[m] ahead of the base point: the place whose way to the goal counts."""
-    pull: Column
+    path_weight: Column
     """How many metres along the path a metre off it counts."""
-    room: Column
+    obstacle_weight: Column
     """[m] that a twist may cost which meets something at once; less, the longer it may go on."""
-    calm: Column
+    turn_weight: Column
     """[m] that the largest change of turning costs."""
 
 
@@ -212,7 +212,7 @@ def choose_twists(
     box: Box,
     guide: Guide,
     able: Abilities,
-    taste: Taste,
+    weights: Weights,
     active: Bools,
     dt: float,
     moving: Floats,
@@ -237,8 +237,8 @@ def choose_twists(
         Their footprint, but for the margin.
     guide
         Their paths.
-    able, taste
-        What they may do, and what they like.
+    able, weights
+        What their drives can do, and what a twist costs.
     active
         (N, 1); the others brake.
     moving
@@ -272,15 +272,17 @@ def choose_twists(
             s0 = math.sin(heading)
             leg, here = find_leg(path, along, count, guide.leg[i], _FAR, x, y)
             guide.leg[i] = leg
-            horizon = taste.horizon[i, 0]
-            margin = taste.margin[i, 0]
+            horizon = weights.horizon[i, 0]
+            margin = weights.margin[i, 0]
             left_to_go = to_go(path, along, count, leg, here + _FAR, 1.0, x, y)
-            nose = max(min(taste.nose[i, 0], left_to_go - taste.nose[i, 0]), _LEAST_NOSE)
+            forward = max(
+                min(weights.forward_distance[i, 0], left_to_go - weights.forward_distance[i, 0]), _FORWARD_LEAST
+            )
             fastest = min(able.speed[i, 0], limits[0])
             # On the last metre it thinks no farther than the goal, or it would creep up to it.
             coming = max(left_to_go / fastest, math.sqrt(2.0 * left_to_go / limits[2]), 2.0 * dt)
             horizon = min(horizon, coming)
-            until = here + fastest * horizon + nose + 0.5
+            until = here + fastest * horizon + forward + 0.5
             see_points(sight.ranges[i], sight.beams[i], sight.half_angle[i, 0], points)
             moved_on(points, v0, w0, age[i, 0])
             lag = able.lag[i, 0]
@@ -348,14 +350,21 @@ def choose_twists(
                     if abs(turn) > 1e-9:
                         ex = v / w * s
                         ey = v / w * (1.0 - c)
-                    ex += nose * c
-                    ey += nose * s
+                    ex += forward * c
+                    ey += forward * s
                     cost = to_go(
-                        path, along, count, leg, until, taste.pull[i, 0], x + c0 * ex - s0 * ey, y + s0 * ex + c0 * ey
+                        path,
+                        along,
+                        count,
+                        leg,
+                        until,
+                        weights.path_weight[i, 0],
+                        x + c0 * ex - s0 * ey,
+                        y + s0 * ex + c0 * ey,
                     )
-                    cost += taste.room[i, 0] * (1.0 - min(free_for, horizon) / horizon)
+                    cost += weights.obstacle_weight[i, 0] * (1.0 - min(free_for, horizon) / horizon)
                     if most_turn > 0.0:
-                        cost += taste.calm[i, 0] * abs(w - w0) / (2.0 * most_turn)
+                        cost += weights.turn_weight[i, 0] * abs(w - w0) / (2.0 * most_turn)
                     arcs[i, a, b, 2] = cost
                     if cost < best:
                         best = cost

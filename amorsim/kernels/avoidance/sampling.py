@@ -33,13 +33,13 @@ class Costs(NamedTuple):
 
     temperature: Column
     """Cost by which a run may be worse than the best and still count."""
-    pull: Column
+    path_weight: Column
     """How many metres along the path a metre off it counts."""
-    near: Column
-    """[m] of way that standing against something for the whole run costs; half of that at half of `within`."""
-    within: Column
+    obstacle_weight: Column
+    """[m] of way that standing against something for the whole run costs; half at half of `obstacle_distance`."""
+    obstacle_distance: Column
     """[m] from the margin within which things cost."""
-    touch: Column
+    collision_weight: Column
     """[m] of way that a run costs which meets something."""
     margin: Column
     """[m] kept around the footprint."""
@@ -181,20 +181,20 @@ def roll_out(
                     room = min(room, _room(far, field, px, py) - discs[d, 2])
                 room -= costs.margin[i, 0]
                 if room <= 0.0:
-                    total += costs.touch[i, 0] * (1.0 + (steps - t) / steps)
+                    total += costs.collision_weight[i, 0] * (1.0 + (steps - t) / steps)
                     for rest in range(t + 1, steps):
                         noise[i, k, rest, 0] = -plan[i, rest, 0]
                         noise[i, k, rest, 1] = -plan[i, rest, 1]
                     break
-                if room < costs.within[i, 0]:
-                    total += costs.near[i, 0] * (1.0 - room / costs.within[i, 0]) / steps
+                if room < costs.obstacle_distance[i, 0]:
+                    total += costs.obstacle_weight[i, 0] * (1.0 - room / costs.obstacle_distance[i, 0]) / steps
             total += to_go(
                 path,
                 along,
                 count,
                 leg,
                 until,
-                costs.pull[i, 0],
+                costs.path_weight[i, 0],
                 pose[i, 0] + c0 * x - s0 * y,
                 pose[i, 1] + s0 * x + c0 * y,
             )

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from amorsim.kernels.avoidance.arcs import Box, distance_to_box
-from amorsim.kernels.avoidance.dynamic_window import Abilities, Scene, Taste, choose_twists, keep_behind
+from amorsim.kernels.avoidance.dynamic_window import Abilities, Scene, Weights, choose_twists, keep_behind
 from amorsim.kernels.avoidance.guide import Guide
 from amorsim.kernels.behaviours.free_space import Sight
 
@@ -41,7 +41,7 @@ def choose(
             column(rows, 2.0), column(rows, back), column(rows, 5.0), np.tile(limits, (rows, 1)),
             column(rows, curvature), column(rows, lag),
         ),
-        Taste(*(column(rows, value) for value in (MARGIN, 1.5, 0.3, 2.0, 0.3, 0.05))),
+        Weights(*(column(rows, value) for value in (MARGIN, 1.5, 0.3, 2.0, 0.3, 0.05))),
         np.ones((rows, 1), dtype=bool),
         DT,
         moving,

@@ -61,7 +61,7 @@ def test_arcs_start_at_the_robot_and_the_one_taken_is_the_last() -> None:
 
 
 def test_the_plan_of_mppi_is_drawn_over_some_of_its_runs() -> None:
-    simulation = one(am.controllers.Mppi(goals=((5.0, 0.0),), runs=30, steps=10))
+    simulation = one(am.controllers.Mppi(goals=((5.0, 0.0),), samples=30, time_steps=10))
     said = intended_of(simulation, "rover")
     assert said["arcs"] is not None
     assert len(said["arcs"]) == 25
@@ -69,7 +69,7 @@ def test_the_plan_of_mppi_is_drawn_over_some_of_its_runs() -> None:
     assert {len(arc["points"]) for arc in said["arcs"]} == {11}
     beliefs = simulation.frames()[0].beliefs["controller"]
     # The plan is a mean of all runs: within what they span, step by step.
-    few = one(am.controllers.Mppi(goals=((5.0, 0.0),), runs=20, steps=10)).frames()[0].beliefs["controller"]
+    few = one(am.controllers.Mppi(goals=((5.0, 0.0),), samples=20, time_steps=10)).frames()[0].beliefs["controller"]
     assert (few["plan"] <= few["runs"].max(axis=1) + 1e-12).all()
     assert (few["plan"] >= few["runs"].min(axis=1) - 1e-12).all()
     assert beliefs["runs"].shape == (1, 24, 10, 2)
@@ -77,7 +77,7 @@ def test_the_plan_of_mppi_is_drawn_over_some_of_its_runs() -> None:
 
 @pytest.mark.parametrize("name", ["VfhPlus", "NearnessDiagram"])
 def test_a_histogram_is_blocked_where_the_wall_is(name: str) -> None:
-    said = intended_of(one(getattr(am.controllers, name)(goals=((5.0, 0.0),), far=2.0)), "rover")
+    said = intended_of(one(getattr(am.controllers, name)(goals=((5.0, 0.0),), range_max=2.0)), "rover")
     assert said["blocked"] is not None
     count = len(said["blocked"])
     assert said["blocked"][count // 2]  # ahead
@@ -157,8 +157,8 @@ def close(one: Any, other: Any) -> bool:
     "controller",
     [
         am.controllers.Dwa(goals=((5.0, 2.0),), horizon=0.7),
-        am.controllers.Mppi(goals=((5.0, 0.0),), runs=30, steps=10),
-        am.controllers.VfhPlus(goals=((5.0, 0.0),), far=2.0),
+        am.controllers.Mppi(goals=((5.0, 0.0),), samples=30, time_steps=10),
+        am.controllers.VfhPlus(goals=((5.0, 0.0),), range_max=2.0),
         am.controllers.Navigate(goals=((5.0, 0.0),), planner=am.planners.AStar(cell=0.1)),
     ],
     ids=lambda one: type(one).__name__,
@@ -185,7 +185,7 @@ def test_a_recorded_run_shows_what_was_intended(tmp_path: Path, controller: am.C
 
 
 def test_without_arrays_a_recorded_run_shows_what_is_small_and_says_what_it_lacks(tmp_path: Path) -> None:
-    simulation = at_start(am.controllers.VfhPlus(goals=((5.0, 0.0),), far=2.0), recording=What(picture=False))
+    simulation = at_start(am.controllers.VfhPlus(goals=((5.0, 0.0),), range_max=2.0), recording=What(picture=False))
     with am.record(simulation, tmp_path / "run") as session:
         simulation.step()
         session.keep()
