@@ -36,6 +36,8 @@ SCENARIOS = (
     "parking-lot",
     "unknown-maze",
     "crossing",
+    "doors",
+    "line",
 )
 MAPS = {"map-the-office": "rover-slam"}  # of each scenario, which of the maps that it leaves
 
@@ -51,6 +53,8 @@ def make(folder: Path) -> None:
         for scenario in SCENARIOS:
             _amorsim(work, "run", scenario, "--out", scenario, "--quiet")
             _save_small(work / scenario / "picture.png", folder / f"{scenario}.png")
+        _amorsim(work, "run", "swarm", "--duration", "20", "--out", "swarm", "--quiet")
+        _save_small(work / "swarm" / "picture.png", folder / "swarm.png", width=800, colours=48)
         for scenario, name in MAPS.items():
             _amorsim(work, "run", scenario, "--out", scenario, "--quiet")
             _save_small(work / scenario / "estimated-maps" / f"{name}.pgm", folder / f"{scenario}.png")
@@ -76,15 +80,15 @@ def _amorsim(work: Path, *arguments: str) -> None:
     subprocess.run([sys.executable, "-m", "amorsim", *arguments], cwd=work, check=True)
 
 
-def _save_small(source: Path, target: Path) -> None:
+def _save_small(source: Path, target: Path, width: int = WIDTH, colours: int = COLOURS) -> None:
     with Image.open(source) as opened:
         picture = opened.convert("RGB")
-    if 2 * picture.width < WIDTH:  # a map, a pixel for each cell
+    if 2 * picture.width < width:  # a map, a pixel for each cell
         picture = picture.resize((2 * picture.width, 2 * picture.height), Image.Resampling.NEAREST)
-    if picture.width > WIDTH:
-        height = round(picture.height * WIDTH / picture.width)
-        picture = picture.resize((WIDTH, height), Image.Resampling.LANCZOS)
-    picture.quantize(COLOURS, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(target, optimize=True)
+    if picture.width > width:
+        height = round(picture.height * width / picture.width)
+        picture = picture.resize((width, height), Image.Resampling.LANCZOS)
+    picture.quantize(colours, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(target, optimize=True)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,47 @@
+"""How Sphinx makes the website from these pages: `python -m sphinx -W -b html docs site`."""
+
+import importlib.metadata
+import os
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "tools"))  # which are no package
+
+import site_pages  # noqa: E402
+
+project = "amorsim"
+author = "the authors of amorsim"
+release = version = importlib.metadata.version("amorsim")
+
+extensions = ["myst_parser"]
+myst_heading_anchors = 4
+suppress_warnings = ["misc.highlighting_failure"]
+exclude_patterns = ["_site_static"]
+
+html_theme = "furo"
+html_title = "amorsim"
+html_static_path = ["_site_static"]
+html_css_files = ["site.css"]
+html_copy_source = False
+html_show_sphinx = False
+# With the address of the repository every page has a link to edit it.
+if repository := os.environ.get("AMORSIM_REPOSITORY"):
+    html_theme_options = {
+        "source_repository": repository,
+        "source_branch": "main",
+        "source_directory": "docs/",
+    }
+
+
+def change_page(_, page, source):
+    """Turn links and lists into what they are on the site."""
+    text = site_pages.links_to_parts(page, source[0], HERE)
+    source[0] = site_pages.as_contents(page, text)
+
+
+def setup(app):
+    """Make the pages of components and public names, and change all pages as they are read."""
+    site_pages.make_parts(HERE)
+    app.connect("source-read", change_page)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
