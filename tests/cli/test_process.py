@@ -18,6 +18,29 @@ from amorsim.analysis.files import RunFiles
 from tests.studies import make_study
 
 SLOW = "import time\n\n\ndef drive(r, e, c, speed):\n    time.sleep(0.005)\n    return 1.0, -1.0\n"
+BARE = """format = 1
+[world]
+map = "room.wld"
+[simulation]
+duration = 0.5
+[[robots]]
+name = "rover"
+shape = { circle = 0.2 }
+pose = { x = 2.0, y = 2.0 }
+[robots.drive]
+use = "differential"
+wheel_radius_left = 0.05
+wheel_radius_right = 0.05
+track = 0.3
+rate_max_deg = 600.0
+[robots.controller]
+use = "square"
+[robots.sensors.encoder]
+use = "encoder"
+counts_per_revolution = 1000.0
+[robots.estimators.dead_reckoning]
+use = "dead_reckoning"
+"""
 HANGS = """import pathlib
 
 
@@ -229,8 +252,10 @@ def test_it_runs_where_nothing_can_be_written_but_the_run(tmp_path: Path) -> Non
     for path in (*installed.rglob("*"), installed):
         path.chmod(0o555 if path.is_dir() else 0o444)
     (tmp_path / "work").mkdir()
+    (tmp_path / "work" / "room.wld").write_text("width 4000\nheight 4000\n")
+    (tmp_path / "work" / "bare.toml").write_text(BARE)  # few kernels, as all must be compiled here
     forbid = "import ctypes; ctypes.CDLL(None).prctl(24, 1, 0, 0, 0)"  # PR_CAPBSET_DROP, CAP_DAC_OVERRIDE
-    command = [sys.executable, "-m", "amorsim", "run", "demo", "--duration", "0.5", "--out", "run"]
+    command = [sys.executable, "-m", "amorsim", "run", "bare.toml", "--out", "run"]
     code = f"{forbid}\nimport os; os.execv({command[0]!r}, {command!r})"
     unwanted = ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME")
     environment = {key: value for key, value in os.environ.items() if key not in unwanted}

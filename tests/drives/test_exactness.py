@@ -87,6 +87,14 @@ def test_of_every_robot(name: str, tmp_path) -> None:
 
 @pytest.mark.long
 @pytest.mark.parametrize("name", sorted(MAKERS))
+def test_of_every_drive_over_a_hundred_metres(name: str) -> None:
+    sim, way = roam(of_drive(name), 250.0, 25.0, seed=2, dt=0.2)
+    assert way > 100.0
+    check(sim)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", sorted(MAKERS))
 def test_of_every_drive_over_a_kilometre(name: str) -> None:
     sim, way = roam(of_drive(name), 2500.0, 25.0, seed=2, dt=0.2)
     assert way > 1000.0
@@ -94,7 +102,7 @@ def test_of_every_drive_over_a_kilometre(name: str) -> None:
     check(sim)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", ROBOTS)
 def test_of_every_robot_over_a_kilometre(name: str, tmp_path) -> None:
     # The slowest one, once flush with a wall, may stay there for ever: any turn takes a corner into it.

@@ -11,9 +11,13 @@ from tests.golden.digests import KEPT, MAPS, SCENARIOS, SEEDS, digests_of, rays_
 KEPT_DIGESTS = json.loads(KEPT.read_text(encoding="utf-8"))
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("name", SCENARIOS)
+def _mark(name: str, seed: int) -> pytest.MarkDecorator:
+    return pytest.mark.nightly if name == "swarm" and seed != SEEDS[0] else pytest.mark.long
+
+
+@pytest.mark.parametrize(
+    ("name", "seed"), [pytest.param(name, seed, marks=_mark(name, seed)) for name in SCENARIOS for seed in SEEDS]
+)
 def test_a_scenario_computes_the_same_bits(name: str, seed: int) -> None:
     found = digests_of(name, seed)
     assert found["alone: 0"] == found["eight: 0"] == found["eight, two threads: 0"]

@@ -20,9 +20,6 @@ from amorsim.analysis.files import RunFiles
 from amorsim.runs.compare import first_difference
 from tests.studies import make_study
 
-pytestmark = pytest.mark.long
-
-COUNT = 800
 LONGEST = 10  # [s] of the processor's time; a machine may be busy with other things
 WAITING = 120  # [s] of the clock on the wall: nothing waits for ever
 ROOM = 1 << 30  # [bytes] beyond what the process has at the beginning
@@ -245,10 +242,15 @@ def tried(what: Callable[[], Any]) -> str:
     return ""
 
 
-def test_what_is_read_of_a_damaged_folder_ends_well_or_in_a_message(driven: Path, tmp_path: Path, limits: None) -> None:
+@pytest.mark.parametrize(
+    "count", [pytest.param(200, marks=pytest.mark.long), pytest.param(800, marks=pytest.mark.nightly)]
+)
+def test_what_is_read_of_a_damaged_folder_ends_well_or_in_a_message(
+    driven: Path, tmp_path: Path, limits: None, count: int
+) -> None:
     plot = pytest.importorskip("amorsim.analysis.plot")
     refused = again = 0
-    for number in range(COUNT):
+    for number in range(count):
         draw = random.Random(number)
         folder = tmp_path / "run"
         shutil.copytree(driven, folder)

@@ -126,6 +126,11 @@ def test_a_dozen_random_scenes_agree_with_shapely():
 
 
 @pytest.mark.long
+def test_eighty_random_scenes_agree_with_shapely():
+    assert 40 < sum(check_scene(seed) for seed in range(1000, 1080)) < 290
+
+
+@pytest.mark.nightly
 def test_three_hundred_random_scenes_agree_with_shapely():
     assert 150 < sum(check_scene(seed) for seed in range(1000, 1300)) < 1100
 

@@ -373,8 +373,14 @@ def test_nothing_of_anybody_overlaps(seed: int, rigs: int, others: int, dt: floa
         check(sim)
 
 
-@pytest.mark.long
-@pytest.mark.parametrize(("rigs", "side", "dt"), [(60, 14.0, 0.1), (200, 30.0, 0.5), (200, 24.0, 0.1)])
+@pytest.mark.parametrize(
+    ("rigs", "side", "dt"),
+    [
+        pytest.param(60, 14.0, 0.1, marks=pytest.mark.long),
+        pytest.param(200, 24.0, 0.1, marks=pytest.mark.long),
+        pytest.param(200, 30.0, 0.5, marks=pytest.mark.nightly),
+    ],
+)
 def test_nothing_overlaps_among_hundreds_of_bodies(rigs: int, side: float, dt: float) -> None:
     sim = crowd_of(1, rigs, 60, dt, side, 20.0)
     assert sim is not None
