@@ -9,6 +9,8 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from amorsim.core.display import show_by
+
 if TYPE_CHECKING:
     from amorsim import (
         algorithms,
@@ -190,6 +192,8 @@ _PACKAGES = (
     *("algorithms", "analysis", "controllers", "drives", "estimators", "metrics", "motions", "noise", "planners"),
     *("sensors", "testing", "worlds"),
 )
+show_by(lambda value: importlib.import_module("amorsim.reports.notebook").bundle(value))
+
 _HOME = {name: module for module, names in _MODULES.items() for name in names.split()}
 
 __all__ = [

@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.atomic_files import write_text
+from amorsim.core.display import in_notebook
 from amorsim.render.words import significant, with_interval
 
 __all__ = ["ABOUT", "Comparison", "Difference", "Summary", "metric_of_estimator", "p_in_words"]
@@ -168,6 +169,8 @@ class Comparison:
     differences_of: Mapping[tuple[str, str, str], Array]
     axis: str = ""
     origin: Mapping[str, Any] = attrs.field(factory=dict)
+
+    _repr_mimebundle_ = in_notebook
 
     def __str__(self) -> str:
         return "\n".join(map(str, self.differences))

@@ -11,6 +11,7 @@ import attrs
 import numpy as np
 
 from amorsim.contracts.values import Array
+from amorsim.core.display import in_notebook
 from amorsim.core.map import Map
 from amorsim.core.shapes import Shape
 
@@ -47,6 +48,8 @@ class Plan:
     """(M, 3) [m, m, rad] in the world: the poses of the trailer's axle, for each of `poses`; none without a trailer."""
     message: str = ""
     """Why there is no path, in a sentence; empty if there is one."""
+
+    _repr_mimebundle_ = in_notebook
 
     @property
     def points(self) -> Array:

@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from amorsim.contracts.robot import RobotModel
 from amorsim.contracts.values import Array, Beliefs, BeliefsByName, Estimate, Measurement
+from amorsim.core.display import in_notebook
 
 __all__ = ["Frame", "ObstacleFrame", "Recorder", "RunInfo"]
 
@@ -38,6 +39,9 @@ class Frame(NamedTuple):
     part_pose: Array = np.empty((0, 0, 3))  # (N, p, 3) true, if there are parts
     # Of the estimators that have any, by name. Computed when first looked up, which must be in the frame's own step.
     beliefs: Mapping[str, Beliefs] = types.MappingProxyType({})
+
+    def _repr_mimebundle_(self, **options: Any) -> dict[str, Any]:
+        return in_notebook(self, **options)
 
     def some_beliefs(self, name: str, wanted: Iterable[str]) -> Beliefs:
         """Some beliefs of an estimator, without computing those that are not wanted, which may be large."""

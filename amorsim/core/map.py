@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from amorsim.core.arguments import checked, texts
+from amorsim.core.display import in_notebook
 from amorsim.core.errors import MapError
 from amorsim.core.map_limits import refuse_not_finite, refuse_too_far, refuse_too_large, refuse_too_much_memory
 from amorsim.kernels.grid.draft import grid_from_array
@@ -333,6 +334,8 @@ class Map:
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Self:
         return self
+
+    _repr_mimebundle_ = in_notebook
 
     def __repr__(self) -> str:
         rows, cols = self.shape

@@ -17,6 +17,7 @@ import attrs
 from amorsim.contracts import Recorder, RunInfo
 from amorsim.core.arguments import checked
 from amorsim.core.atomic_files import write_bytes
+from amorsim.core.display import in_notebook
 from amorsim.core.error_text import in_words
 from amorsim.core.errors import RunError
 from amorsim.core.user_code import go_back, present_folder
@@ -49,6 +50,8 @@ class RunSummary:
     collisions: dict[str, int]
     seconds: float  # of wall time
     is_complete: bool  # false if it was broken off
+
+    _repr_mimebundle_ = in_notebook
 
 
 def record(

@@ -13,9 +13,10 @@ from amorsim.core.shapes import Shape
 from amorsim.render.robot_paths import RobotPath
 from amorsim.render.things import Thing
 from amorsim.scenario.colours import robot_colours
+from amorsim.scenario.spec import Scenario
 from amorsim.simulation.simulation import Simulation
 
-__all__ = ["Traces", "collisions_of", "paths_of", "things_of"]
+__all__ = ["Traces", "collisions_of", "paths_at_start", "paths_of", "things_at_start", "things_of"]
 
 Array = npt.NDArray[np.float64]
 
@@ -157,9 +158,33 @@ def collisions_of(simulation: Simulation, name: str, replica: int) -> Array:
 def things_of(simulation: Simulation, replica: int) -> list[Thing]:
     """The obstacles of a replica where they are now, the landmarks and the lamps, as pictures want them."""
     scenario = simulation.scenario
+    poses = [simulation.obstacle(obstacle.name, replica).true_pose for obstacle in scenario.obstacles]
+    return _things(scenario, poses)
+
+
+def paths_at_start(scenario: Scenario) -> list[RobotPath]:
+    """The robots of a scenario at their starts, as pictures want them; without those whose start is yet to be found."""
+    colours = robot_colours(scenario.robots)
     found = []
-    for obstacle in scenario.obstacles:
-        pose = simulation.obstacle(obstacle.name, replica).true_pose
+    for robot in scenario.robots:
+        if robot.pose is None:
+            continue
+        pose = np.array([[robot.pose.x, robot.pose.y, robot.pose.heading]])
+        outline = _placed(robot.shape, pose)
+        found.append(RobotPath(name=robot.name, true=(), outline=outline, colour=colours[robot.name]))
+    return found
+
+
+def things_at_start(scenario: Scenario) -> list[Thing]:
+    """The obstacles of a scenario at their starts, the landmarks and the lamps, as pictures want them."""
+    poses = [np.array([each.pose.x, each.pose.y, each.pose.heading]) for each in scenario.obstacles]
+    return _things(scenario, poses)
+
+
+def _things(scenario: Scenario, poses: Sequence[Array]) -> list[Thing]:
+    """Obstacles at given poses, landmarks and lamps."""
+    found = []
+    for obstacle, pose in zip(scenario.obstacles, poses, strict=True):
         outline = _placed(obstacle.shape, pose[np.newaxis])
         found.append(Thing(kind="obstacle", place=pose[:2], outline=outline, colour=obstacle.colour))
     labelled = len(scenario.landmarks) <= MOST_LABELS

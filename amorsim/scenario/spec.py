@@ -19,6 +19,7 @@ import numpy.typing as npt
 from amorsim.contracts import Controller, Drive, Estimator, Motion, Mount, Noise, Recorder, Sensor, parameter
 from amorsim.controllers.user import UserController
 from amorsim.core.arguments import is_list
+from amorsim.core.display import in_notebook
 from amorsim.core.distributions import Distribution
 from amorsim.core.error_text import in_words
 from amorsim.core.errors import ComponentError
@@ -251,6 +252,8 @@ class Robot:
     height: float = parameter(0.3, unit="m", gt=0, help="above the ground, to its top; for cameras")
     colour: str | None = parameter(None, help="a name of CSS or '#rrggbb', for cameras and pictures")
 
+    _repr_mimebundle_ = in_notebook
+
     def __repr__(self) -> str:
         software = [*self.estimators, *([type(self.controller).__name__] if self.controller else ())]
         parts = [self.model or type(self.drive).__name__, *self.sensors, *software]
@@ -393,6 +396,8 @@ class Scenario:
     source: Path | None = None
     resolved: Mapping[str, Any] | None = None
     remarks: tuple[str, ...] = ()
+
+    _repr_mimebundle_ = in_notebook
 
     def __repr__(self) -> str:
         name, (width, height) = self.source.stem if self.source else "", self.map.size

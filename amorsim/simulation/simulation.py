@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Frame, ObstacleFrame
 from amorsim.core.arguments import check_kind, checked, real, whole
+from amorsim.core.display import in_notebook
 from amorsim.core.error_text import in_words
 from amorsim.core.errors import AmorsimError
 from amorsim.core.interrupt import Interrupt
@@ -108,6 +109,8 @@ class Simulation:
     def __del__(self) -> None:
         if (fleet := vars(self).get("_fleet")) is not None:
             fleet.release()
+
+    _repr_mimebundle_ = in_notebook
 
     def __repr__(self) -> str:
         scenario, ticks = self.scenario, sorted(set(self._fleet.ticks.tolist()))

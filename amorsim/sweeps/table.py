@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from amorsim.core.arguments import checked, path_of
 from amorsim.core.atomic_files import replacing
+from amorsim.core.display import in_notebook
 from amorsim.core.errors import StudyError
 from amorsim.core.memory import too_large
 from amorsim.core.reading import check_readable, is_file
@@ -50,6 +51,8 @@ class Study(dict[str, npt.NDArray[Any]]):
         super().__init__(columns)
         self.folder = folder
         self.about = about
+
+    _repr_mimebundle_ = in_notebook
 
     def __repr__(self) -> str:
         rows = len(self["point"])
