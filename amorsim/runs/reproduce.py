@@ -11,6 +11,7 @@ import attrs
 
 from amorsim.core.arguments import checked, path_of
 from amorsim.core.errors import AmorsimError, RunError
+from amorsim.core.progress import progress_shown
 from amorsim.core.temporary_folders import temporary_folder
 from amorsim.runs.compare import TOLERANCE, Difference, first_difference
 from amorsim.runs.folder import circumstances, fingerprints
@@ -51,7 +52,7 @@ class Outcome:
 
 
 @checked
-def reproduce(folder: str | os.PathLike[str], *, progress: Callable[[float], None] | None = None) -> Outcome:
+def reproduce(folder: str | os.PathLike[str], *, progress: bool | Callable[[float], None] | None = True) -> Outcome:
     """Run the content of a run's folder again: its scenario, its recorded commands by hand, its live changes.
 
     It compares the digests of all exact results, all text files line by line, and all arrays of beliefs.
@@ -61,7 +62,7 @@ def reproduce(folder: str | os.PathLike[str], *, progress: Callable[[float], Non
     folder
         Folder of a run that has ended; an interrupted run is repeated up to its interruption.
     progress
-        Called after every step with the share done.
+        As for `run`.
 
     Raises
     ------
@@ -88,13 +89,16 @@ def reproduce(folder: str | os.PathLike[str], *, progress: Callable[[float], Non
             if problem := different_world(about, simulation):
                 return Outcome(is_same=False, is_exact=False, steps=0, difference=problem, notes=tuple(notes))
             replay = Replay(simulation, before, about.get("changes_before", 0))
-            with RunSession(simulation, after, wanted_steps=steps, is_kept=False) as session:
+            with (
+                RunSession(simulation, after, wanted_steps=steps, is_kept=False) as session,
+                progress_shown(progress, "simulating", float) as show,
+            ):
                 for done in range(1, steps + 1):
                     replay.give()
                     simulation.step()
                     session.keep()
-                    if progress is not None:
-                        progress(done / steps)
+                    if show is not None:
+                        show(done / steps)
         except AmorsimError as error:
             if not notes:
                 raise

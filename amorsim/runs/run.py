@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 
 from amorsim.core.arguments import checked
 from amorsim.core.interrupt import Interrupt
+from amorsim.core.progress import progress_shown
 from amorsim.kernels.cache_folder import mark_warm
 from amorsim.runs.folder import new_folder
 from amorsim.runs.session import RunSession, RunSummary, steps_of
@@ -25,12 +26,12 @@ def run(
     seed: int | None = None,
     replicas: int | Sequence[int] = 1,
     duration: float | None = None,
-    progress: Callable[[float], None] | None = None,
+    progress: bool | Callable[[float], None] | None = True,
     simulation: Simulation | None = None,
 ) -> RunSummary:
     """Simulate `scenario` and write its files into `folder`, which must not exist or be empty.
 
-    `progress` is called after every step with the share done, between 0 and 1. Ctrl-C ends the run after the present
+    Ctrl-C ends the run after the present
     step with its files whole, and the summary states that it is not complete. A second one raises `KeyboardInterrupt`;
     so does the first where a controller or plugin does not return.
 
@@ -44,6 +45,9 @@ def run(
         As for `Simulation`.
     duration
         In place of the scenario's [s].
+    progress
+        Whether a bar is shown after two seconds, in a terminal or a notebook; or a function that is called after every
+        step with the share done, between 0 and 1.
     simulation
         The simulation to step, instead of a new one.
 
@@ -60,14 +64,18 @@ def run(
         simulation = Simulation(scenario, seed=seed, replicas=replicas)
     duration = simulation.scenario.duration if duration is None else duration
     steps = steps_of(simulation, duration)
-    with Interrupt() as interrupt, RunSession(simulation, folder, duration=duration) as session:
+    with (
+        Interrupt() as interrupt,
+        RunSession(simulation, folder, duration=duration) as session,
+        progress_shown(progress, "simulating", float) as show,
+    ):
         for done in range(1, steps + 1):
             interrupt.call(simulation.step)
             session.keep()
             if done == 1:
                 mark_warm()
-            if progress is not None:
-                progress(done / steps)
+            if show is not None:
+                show(done / steps)
             if interrupt.is_wanted:
                 return session.close("finished" if done == steps else "interrupted")
     return session.summary

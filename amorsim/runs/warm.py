@@ -154,7 +154,7 @@ def _try_all(names: Sequence[str], one_more: Callable[[], None]) -> None:
         else:
             scenario, steps = _TRIALS[name]() if name in _TRIALS else (load(name), _STEPS.get(name, 2))
             with temporary_folder("compile") as folder:
-                run(scenario, folder / "run", duration=steps * scenario.dt)
+                run(scenario, folder / "run", duration=steps * scenario.dt, progress=False)
         one_more()
 
 

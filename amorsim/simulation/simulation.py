@@ -16,6 +16,7 @@ from amorsim.core.errors import AmorsimError
 from amorsim.core.interrupt import Interrupt
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
+from amorsim.core.progress import progress_shown
 from amorsim.core.unknown_names import no_such
 from amorsim.scenario.programs.programs import loaded
 from amorsim.scenario.reading.chains import is_chain
@@ -179,13 +180,15 @@ class Simulation:
             changes.move(self._fleet, moves, "kidnapped")
 
     @overload
-    def run(self, duration: float | None = None) -> None: ...
+    def run(self, duration: float | None = None, *, progress: bool = True) -> None: ...
 
     @overload
-    def run(self, duration: float | None = None, *, keep: Iterable[str]) -> dict[str, npt.NDArray[Any]]: ...
+    def run(
+        self, duration: float | None = None, *, keep: Iterable[str], progress: bool = True
+    ) -> dict[str, npt.NDArray[Any]]: ...
 
     def run(
-        self, duration: float | None = None, *, keep: Iterable[str] | None = None
+        self, duration: float | None = None, *, keep: Iterable[str] | None = None, progress: bool = True
     ) -> dict[str, npt.NDArray[Any]] | None:
         """Step for `duration` [s]; without it, for the scenario's duration.
 
@@ -206,6 +209,8 @@ class Simulation:
             parts, 3)``; ``readings.NAME``, which is what was measured, or ``readings.NAME.true``, ``.stamp`` [steps],
             ``.age`` [s], ``.fresh``; ``estimates.NAME.pose`` and ``.covariance``; ``beliefs.NAME.BELIEF``. What a robot
             does not have, and another has, is nan.
+        progress
+            Whether a bar is shown after two seconds, in a terminal or a notebook.
 
         Raises
         ------
@@ -215,9 +220,15 @@ class Simulation:
         """
         steps = self.steps_of(self.scenario.duration if duration is None else duration)
         keeper = None if keep is None else Keeper(self, keep, steps)
-        with Interrupt() as interrupt:
-            for _ in range(steps):
+
+        def share(done: int) -> float:
+            return done / steps
+
+        with Interrupt() as interrupt, progress_shown(progress, "simulating", share) as show:
+            for done in range(1, steps + 1):
                 interrupt.call(self.step)
+                if show is not None:
+                    show(done)
                 if keeper is not None:
                     keeper.keep()
                 if interrupt.is_wanted:

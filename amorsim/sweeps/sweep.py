@@ -13,6 +13,7 @@ from amorsim.core.arguments import path_of, whole
 from amorsim.core.error_text import in_words
 from amorsim.core.errors import AmorsimError, StudyError
 from amorsim.core.parameters import ParameterError
+from amorsim.core.progress import progress_shown
 from amorsim.runs.folder import RUNS
 from amorsim.scenario.reading.read import load
 from amorsim.scenario.spec import Scenario
@@ -46,7 +47,7 @@ def sweep(
     jobs: int = 1,
     dask: Any = None,
     keep: str | Collection[int] = "none",
-    progress: Callable[[Progress], None] | None = None,
+    progress: bool | Callable[[Progress], None] | None = True,
 ) -> Study:
     """Run a study: its scenario at every point of its axes, in all replicas and for all seeds; measure, and tabulate.
 
@@ -68,7 +69,8 @@ def sweep(
         Which points leave the folders of their runs in ``runs``: ``"none"``, ``"all"``, or their numbers. Those that
         were done without are computed again, with the same results.
     progress
-        Called at the beginning and after every chunk.
+        Whether a bar is shown after two seconds, in a terminal or a notebook; or a function that is called at the
+        beginning and after every chunk.
 
     Raises
     ------
@@ -96,32 +98,33 @@ def sweep(
         return Work(index=index, begun=str(folder.marker(index).absolute()), folder=str(run))
 
     status, begun, done, failed = "interrupted", time.monotonic(), plan.chunks - len(missing), 0
-    if progress is not None:
-        progress(Progress(done, plan.chunks, failed, None))
-    outcomes: Iterator[Outcome]
-    if dask is not None:
-        outcomes = on_cluster(plan, missing, work_of, dask)
-    elif jobs > 1:
-        outcomes = in_processes(plan, missing, work_of, jobs)
-    else:
-        outcomes = in_this_process(plan, missing, work_of)
-    try:
-        for count, outcome in enumerate(outcomes, start=1):
-            folder.write(outcome)
-            failed += bool(outcome.error)
-            left = (time.monotonic() - begun) / count * (len(missing) - count)
-            if progress is not None:
-                progress(Progress(done + count, plan.chunks, failed, left))
-        status = "finished"
-    except KeyboardInterrupt:
-        pass
-    except StudyError as error:
-        error.add_note(f"what was done is in {folder.path}; the same command goes on")
-        with contextlib.suppress(AmorsimError):  # the first error is the one to report
-            _end(folder, plan, scenario, status)
-        raise
-    finally:
-        outcomes.close()  # type: ignore[attr-defined]
+    with progress_shown(progress, "simulating", lambda now: now.done / now.total) as show:
+        if show is not None:
+            show(Progress(done, plan.chunks, failed, None))
+        outcomes: Iterator[Outcome]
+        if dask is not None:
+            outcomes = on_cluster(plan, missing, work_of, dask)
+        elif jobs > 1:
+            outcomes = in_processes(plan, missing, work_of, jobs)
+        else:
+            outcomes = in_this_process(plan, missing, work_of)
+        try:
+            for count, outcome in enumerate(outcomes, start=1):
+                folder.write(outcome)
+                failed += bool(outcome.error)
+                left = (time.monotonic() - begun) / count * (len(missing) - count)
+                if show is not None:
+                    show(Progress(done + count, plan.chunks, failed, left))
+            status = "finished"
+        except KeyboardInterrupt:
+            pass
+        except StudyError as error:
+            error.add_note(f"what was done is in {folder.path}; the same command goes on")
+            with contextlib.suppress(AmorsimError):  # the first error is the one to report
+                _end(folder, plan, scenario, status)
+            raise
+        finally:
+            outcomes.close()  # type: ignore[attr-defined]
     _end(folder, plan, scenario, status)
     return read_study(folder.path)
 

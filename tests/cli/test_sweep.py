@@ -47,7 +47,7 @@ def test_means_say_how_many_replicas_they_are_of(amorsim: Command, tmp_path: Pat
     simulation.run()
     x = np.sort(simulation.true_pose[:, 0])
     given["metrics"] = {
-        "arrival": {"use": "arrival_time", "goal": [float(0.5 * (x[1] + x[2])) + 5.0, 1.0], "within": 5.0}
+        "arrival": {"use": "arrival_time", "goal": [float(0.5 * (x[1] + x[2])) + 5.0, 1.0], "tolerance": 5.0}
     }
     result = amorsim("sweep", study_file(tmp_path / "study.toml", given), "--out", "out")
     assert result.status == 0, result.err
