@@ -7,6 +7,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+import yaml
 from packaging.requirements import Requirement
 from packaging.version import Version
 
@@ -31,6 +32,11 @@ def pinned() -> dict[str, Version]:
 def test_the_file_holds_names_and_versions_only() -> None:
     for line in (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines():
         assert line.startswith("# ") or re.fullmatch(r"[a-z0-9-]+==[0-9][a-z0-9.+]*", line)
+
+
+def test_the_version_to_cite_is_the_packages() -> None:
+    cited = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    assert cited["version"] == PROJECT["version"]
 
 
 def test_each_package_that_developers_need_is_in_it_in_a_version_that_is_asked_for() -> None:

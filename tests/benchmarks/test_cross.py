@@ -32,7 +32,11 @@ def test_it_is_navgrounds_scenario():
     ]
     assert {goals.count(one) for one in goals} == {5}
     first = scenario.robots[0]
-    assert (first.controller.clearance, first.controller.reaction_time, first.controller.relaxation_time) == (0.07, 0.25, 0.5)
+    assert (first.controller.clearance, first.controller.reaction_time, first.controller.relaxation_time) == (
+        0.07,
+        0.25,
+        0.5,
+    )
     assert first.drive.rate_max * first.drive.wheel_radius_left == pytest.approx(0.166)
 
 

@@ -24,7 +24,12 @@ DOCS = ROOT / "docs"
 # The website's own pages are made from these.
 MADE = (DOCS / "reference" / "components", DOCS / "reference" / "python")
 DOC_PAGES = [path for path in DOCS.rglob("*.md") if path.parent not in MADE]
-PAGES = sorted([*DOC_PAGES, *(ROOT / name for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md"))])
+PAGES = sorted(
+    [
+        *DOC_PAGES,
+        *(ROOT / name for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "RELEASING.md")),
+    ]
+)
 # Written by others, with tests of their own.
 ELSEWHERE = {DOCS / "how-to" / "write-a-plugin.md", DOCS / "how-to" / "write-a-controller.md", ROOT / "README.md"}
 # Examples and pages that simulate for more than some seconds.
