@@ -52,6 +52,9 @@ def test_a_window_that_vanishes_stops_what_it_drove(
     window: Window, served: Server, open_window: Callable[[Server], Window]
 ) -> None:
     watcher = open_window(served)
+    # The window that opened last has the focus, and one that loses it lets go of its keys.
+    window.page.bring_to_front()
+    window.page.wait_for_function("document.hasFocus()")
     window.page.keyboard.press("m")
     window.until("driving.isByHand")
     window.page.keyboard.press(" ")
