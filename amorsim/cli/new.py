@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from importlib import resources
 from pathlib import Path
 from typing import Annotated
@@ -32,6 +33,15 @@ def command(
             "It names its files by relative paths.",
         ),
     ] = None,
+    plugin: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--plugin",
+            metavar="KIND",
+            help="Make a package with a component of this kind instead: sensor, noise, controller, drive ...; may be "
+            "given several times.",
+        ),
+    ] = None,
     copy: Annotated[
         bool, typer.Option("--copy", help="With --from: copy the files that the scenario names into the folder too.")
     ] = False,
@@ -39,19 +49,19 @@ def command(
     """Make a folder with a scenario, a controller of ten lines and a map, which run as they are."""
     if copy and source is None:
         raise RunError("--copy is for a scenario that is given with --from")
+    if plugin:
+        if source is not None:
+            raise RunError("--plugin and --from do not go together: a package begins from no scenario")
+        _make_package(folder, plugin)
+        return
     wanted = _FILES if source is None else (SCENARIO,)
-    there = [name for name in wanted if is_file(folder / name)]
-    if there:
-        raise RunError(f"{folder}: {', '.join(there)} would be replaced; name another folder")
+    _refuse_to_replace(folder, wanted)
     document = None
     if source is not None:
         from amorsim.scenario.documents.document import open_document
 
         document = open_document(source)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise RunError(f"{folder}: cannot make this folder ({error.strerror or error})") from None
+    _make_folder(folder)
     if document is not None:
         before = set(folder.iterdir())
         document.save(folder / SCENARIO, copy=copy)
@@ -62,3 +72,30 @@ def command(
             write_text(folder / name, (template / name).read_text(encoding="utf-8"))
         made = ", ".join(_FILES)
     say(f"made {made} in {folder}; now: amorsim run {folder / SCENARIO}")
+
+
+def _refuse_to_replace(folder: Path, names: Sequence[str]) -> None:
+    if there := [name for name in names if is_file(folder / name)]:
+        raise RunError(f"{folder}: {', '.join(there)} would be replaced; name another folder")
+
+
+def _make_folder(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise RunError(f"{folder}: cannot make this folder ({error.strerror or error})") from None
+
+
+def _make_package(folder: Path, kinds: Sequence[str]) -> None:
+    """Write the files of a plugin."""
+    from amorsim.cli.plugin_package import package_files
+
+    files = package_files(folder, kinds)
+    _refuse_to_replace(folder, list(files))
+    for name, text in files.items():
+        _make_folder((folder / name).parent)
+        write_text(folder / name, text)
+    say(
+        f"made a package with {', '.join(kinds)} in {folder}; now, in that folder: "
+        'python -m pip install -e ".[test]" && python -m pytest && amorsim run try.toml'
+    )

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from amorsim.cli.console import complain, say
 
+if TYPE_CHECKING:
+    from amorsim.plugins.registry import Entry, Registry
+
 __all__ = ["app"]
 
 app = typer.Typer(
-    help="List the components that are registered, and by whom; `show NAME` prints a component's manual.",
+    help="List the registered components, and by whom; `show NAME` prints its manual, `check NAME` checks it.",
     invoke_without_command=True,
     rich_markup_mode=None,
 )
@@ -19,7 +23,7 @@ app = typer.Typer(
 
 @app.callback()
 def list_all(context: typer.Context) -> None:
-    """List the components that are registered, and by whom; `show NAME` prints a component's manual."""
+    """List the registered components, and by whom; `show NAME` prints its manual, `check NAME` checks it."""
     if context.invoked_subcommand is not None:
         return
     from amorsim.analysis.reference import summary_of
@@ -47,17 +51,49 @@ def show(
 ) -> None:
     """Print the manual of a component: what it is, and its fields with units, defaults, bounds and help."""
     from amorsim.analysis.reference import manual
-    from amorsim.core.errors import PluginError, did_you_mean
     from amorsim.plugins.manager import default_registry
 
     registry = default_registry()
+    for number, entry in enumerate(_entries(registry, name)):
+        if number:
+            say("")
+        say(manual(registry, entry).rstrip())
+
+
+@app.command()
+def check(
+    name: Annotated[
+        str,
+        typer.Argument(metavar="NAME", help="A component's name, such as laser; or kind/name, such as sensor/laser."),
+    ],
+    path: Annotated[
+        Path | None, typer.Option("--path", metavar="FILE", help="The file that a loader is to read.")
+    ] = None,
+) -> None:
+    """Check that a component keeps its contract, as `amorsim.testing.check_component` does, and report in words."""
+    from amorsim.analysis.reference import FILES
+    from amorsim.core.errors import PluginError
+    from amorsim.plugins.manager import default_registry
+    from amorsim.testing import check_component
+
+    registry = default_registry()
+    for entry in _entries(registry, name):
+        if entry.kind in FILES:
+            raise PluginError(f"{name}: a {entry.kind} is a file; amorsim check looks for its faults")
+        if entry.kind in ("map_loader", "scenario_loader") and path is None:
+            raise PluginError(f"{name}: a loader is checked with a file that it reads: --path FILE")
+        check_component(registry.get(entry.kind, entry.name), path=path)
+        say(f"{entry.kind.replace('_', ' ')} {entry.name} keeps its contract")
+
+
+def _entries(registry: Registry, name: str) -> list[Entry]:
+    """All that is registered under a name, or KIND/NAME."""
+    from amorsim.core.errors import PluginError, did_you_mean
+
     kind, _, short = name.rpartition("/")
     found = [entry for entry in registry.entries(kind or None) if entry.name == short]
     if not found:
         known = sorted({entry.name for entry in registry.entries()})
         hint = did_you_mean(short, known)
         raise PluginError(f"nothing is registered as {name!r}.{hint} `amorsim plugins` lists all, kind by kind")
-    for number, entry in enumerate(found):
-        if number:
-            say("")
-        say(manual(registry, entry).rstrip())
+    return found
