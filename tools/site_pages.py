@@ -99,7 +99,7 @@ def as_contents(page: str, text: str) -> str:
     """The text of a page with the tables of contents that it is for the site."""
     if page in LONG_PAGES:
         return _list_of_parts(page, text)
-    if page.startswith("decisions/0"):
+    if page.startswith("decisions/"):
         return _ALONE + text
     if page not in CONTENTS:
         return text

@@ -38,8 +38,8 @@ def command(
         typer.Option(
             "--plugin",
             metavar="KIND",
-            help="Make a package with a component of this kind instead: sensor, noise, controller, drive ...; may be "
-            "given several times.",
+            help="Make a package with a component of this kind instead: sensor, noise, controller, drive and so on. "
+            "It may be given several times.",
         ),
     ] = None,
     copy: Annotated[

@@ -160,7 +160,7 @@ def test_all_that_replaces_files_goes_through_one_way():
     package = Path(amorsim.__file__).parent
     for file in package.rglob("*.py"):
         name = file.relative_to(package).as_posix()
-        if name in OWN_MEANS:
+        if name in OWN_MEANS or name.startswith("cli/template/"):  # which users own
             continue
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
             if not isinstance(node, ast.Call):
