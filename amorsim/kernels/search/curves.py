@@ -72,14 +72,15 @@ def dubins_words(x: float, y: float, phi: float, words: Floats) -> int:
     sa, ca, sb, cb = math.sin(a), math.cos(a), math.sin(b), math.cos(b)
     cab = math.cos(a - b)
     n = 0
-    square = 2.0 + d * d - 2.0 * cab + 2.0 * d * (sa - sb)
-    if square >= 0.0:
-        way = math.atan2(cb - ca, d + sa - sb)
-        n = _write3(words, n, (_L, _S, _L), _positive(way - a), math.sqrt(square), _positive(b - way))
-    square = 2.0 + d * d - 2.0 * cab + 2.0 * d * (sb - sa)
-    if square >= 0.0:
-        way = math.atan2(ca - cb, d - sa + sb)
-        n = _write3(words, n, (_R, _S, _R), _positive(a - way), math.sqrt(square), _positive(way - b))
+    # Between circles of one side the line goes as from centre to centre: by its two parts, which keep a short one.
+    ahead, aside = d + sa - sb, cb - ca
+    way = math.atan2(aside, ahead)
+    line = math.sqrt(ahead * ahead + aside * aside)
+    n = _write3(words, n, (_L, _S, _L), _positive(way - a), line, _positive(b - way))
+    ahead, aside = d - sa + sb, ca - cb
+    way = math.atan2(aside, ahead)
+    line = math.sqrt(ahead * ahead + aside * aside)
+    n = _write3(words, n, (_R, _S, _R), _positive(a - way), line, _positive(way - b))
     square = d * d - 2.0 + 2.0 * cab - 2.0 * d * (sa + sb)
     if square >= 0.0:
         p = math.sqrt(square)
