@@ -16,7 +16,6 @@ release = version = importlib.metadata.version("amorsim")
 
 extensions = ["myst_parser"]
 myst_heading_anchors = 4
-suppress_warnings = ["misc.highlighting_failure"]
 exclude_patterns = ["_site_static"]
 
 html_theme = "furo"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import importlib.util
 import keyword
 import re
 from collections.abc import Iterator, Sequence
@@ -20,6 +21,8 @@ KINDS = (
 )
 """The kinds for which there is a template; a scenario loader begins better from the guide."""
 
+# A distribution's name, of which letters, digits and underscores make a package's.
+_NAME = re.compile(r"[A-Za-z]([A-Za-z0-9._-]*[A-Za-z0-9])?")
 _ROOM = "width 8000\nheight 6000\n0 0 8000 0\n8000 0 8000 6000\n8000 6000 0 6000\n0 6000 0 0\n"
 _LETTERS = "\n".join(["#" * 20, *["#" + " " * 18 + "#"] * 10, "#" * 20]) + "\n"
 
@@ -49,11 +52,14 @@ def package_files(folder: Path, kinds: Sequence[str]) -> dict[str, str]:
                 f"{', '.join(KINDS)}"
             )
     distribution = folder.resolve().name
-    package = re.sub(r"[-.\s]+", "_", distribution).lower()
-    if not package.isidentifier() or not package.isascii() or keyword.iskeyword(package) or package == "amorsim":
+    package = re.sub(r"[-.]+", "_", distribution).lower()
+    if not _NAME.fullmatch(distribution) or keyword.iskeyword(package):
         raise PluginError(
             f"{folder}: expected a folder whose name can be a package's, such as my-sensors, got {distribution!r}"
         )
+    found = importlib.util.find_spec(package)
+    if found is not None and found.origin is not None:  # not a mere folder
+        raise PluginError(f"{folder}: there is a package {package!r} already; name another folder")
     components = [_component(kind) for kind in dict.fromkeys(kinds)]
     files = {f"src/{package}/{each.kind}.py": each.text for each in components}
     files[f"src/{package}/py.typed"] = ""
@@ -104,7 +110,7 @@ def amorsim_register(registry: am.Registry) -> None:
 
 
 def _project(distribution: str, package: str, components: Sequence[Component]) -> str:
-    kinds = ", ".join(f"a {each.kind.replace('_', ' ')}" for each in components)
+    kinds = ", ".join(each.kind.replace("_", " ") for each in components)
     return f'''[build-system]
 requires = ["hatchling"]
 build-backend = "hatchling.build"
@@ -201,8 +207,6 @@ HERE = Path(__file__).resolve().parents[1]
 
 
 '''
-    if not any("check_component" in test for test in tests):
-        head = head.replace("from amorsim.testing import check_component\n", "").replace(f"import {package}\n", "")
     return head + "\n\n".join(tests)
 
 

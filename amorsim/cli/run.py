@@ -6,7 +6,6 @@ import contextlib
 import functools
 import math
 import sys
-import time
 import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -17,6 +16,7 @@ import typer
 from amorsim.cli.console import compile_once, compile_planners_once, complain, say
 from amorsim.cli.films import Force, Gif, GifRate, GifSize, GifSpeed, Mp4, Wanted, in_options
 from amorsim.cli.options import Changes, Duration, Played, Resolution, Seed
+from amorsim.core.progress import progress_shown
 
 if TYPE_CHECKING:
     from amorsim.runs.film import Film
@@ -124,20 +124,8 @@ def _progress(quiet: bool) -> Iterator[Progress | None]:
     if quiet:
         yield None
     elif sys.stdout.isatty():
-        from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
-
-        columns = (TextColumn("simulating"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
-        with Progress(*columns, transient=True) as bar:
-            task = bar.add_task("simulating", total=1.0)
-            drawn = 0.0
-
-            def draw(share: float) -> None:
-                nonlocal drawn
-                if (now := time.monotonic()) - drawn > 0.1:
-                    bar.update(task, completed=share)
-                    drawn = now
-
-            yield draw
+        with progress_shown(True, "simulating", float) as show:
+            yield show
     else:
         yield _PlainProgress()
 

@@ -220,15 +220,11 @@ class Simulation:
         """
         steps = self.steps_of(self.scenario.duration if duration is None else duration)
         keeper = None if keep is None else Keeper(self, keep, steps)
-
-        def share(done: int) -> float:
-            return done / steps
-
-        with Interrupt() as interrupt, progress_shown(progress, "simulating", share) as show:
+        with Interrupt() as interrupt, progress_shown(progress, "simulating", float) as show:
             for done in range(1, steps + 1):
                 interrupt.call(self.step)
                 if show is not None:
-                    show(done)
+                    show(done / steps)
                 if keeper is not None:
                     keeper.keep()
                 if interrupt.is_wanted:

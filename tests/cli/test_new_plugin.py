@@ -83,7 +83,12 @@ def test_all_templates_are_typed_as_strictly_as_amorsim(amorsim: Command, tmp_pa
             ("1st", "--plugin", "sensor"),
             "expected a folder whose name can be a package's, such as my-sensors, got '1st'",
         ),
-        (("amorsim", "--plugin", "sensor"), "expected a folder whose name can be a package's"),
+        (("amorsim", "--plugin", "sensor"), "there is a package 'amorsim' already"),
+        (("my parts", "--plugin", "sensor"), "expected a folder whose name can be a package's"),
+        (("-", "--plugin", "sensor"), "expected a folder whose name can be a package's"),
+        (("parts-", "--plugin", "sensor"), "expected a folder whose name can be a package's"),
+        (("random", "--plugin", "sensor"), "there is a package 'random' already"),
+        (("numpy", "--plugin", "sensor"), "there is a package 'numpy' already"),
         (("class", "--plugin", "sensor"), "expected a folder whose name can be a package's"),
         (("parts", "--plugin", "sensor", "--from", "demo"), "--plugin and --from do not go together"),
     ],
@@ -95,6 +100,12 @@ def test_mistakes_are_named_and_nothing_is_made(
     assert (result.status, result.out) == (2, "")
     assert says in result.err
     assert not list(tmp_path.iterdir())
+
+
+def test_what_it_is_for_is_written_in_words(amorsim: Command, tmp_path: Path) -> None:
+    assert amorsim("new", "parts", "--plugin", "estimator", "--plugin", "map_loader").status == 0
+    project = tomllib.loads((tmp_path / "parts" / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert project["description"] == "A plugin for amorsim: estimator, map loader."
 
 
 def test_nothing_is_replaced(amorsim: Command, tmp_path: Path) -> None:

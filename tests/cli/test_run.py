@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import re
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -181,11 +184,27 @@ def test_a_bitmap_alone_runs(amorsim: Command, tmp_path: Path, kind: str) -> Non
 def test_the_progress_bar_is_drawn_on_a_terminal(
     amorsim: Command, study: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    shown: list[Any] = []
+
+    @contextlib.contextmanager
+    def bar(what: str) -> Iterator[Any]:
+        shown.append(what)
+        yield shown.append
+        shown.append("gone")
+
     monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
+    monkeypatch.setattr("amorsim.core.progress._bar_here", lambda: bar)
+    monkeypatch.setattr("amorsim.core.progress._AFTER", 0.0)
+    monkeypatch.setattr("amorsim.core.progress._EVERY", 0.0)
     result = amorsim("run", study, "--duration", "0.5")
     assert result.status == 0
     assert "% simulated" not in result.out
     assert "rover: drove" in result.out
+    assert (shown[0], shown[-1]) == ("simulating", "gone")
+    assert shown[1:-1] == pytest.approx([0.2, 0.4, 0.6, 0.8, 1.0])
+    shown.clear()
+    amorsim("run", study, "--duration", "0.5", "-q", "--out", "quiet")
+    assert shown == []
 
 
 def test_compiling_is_announced(amorsim: Command, study: Path, monkeypatch: pytest.MonkeyPatch) -> None:

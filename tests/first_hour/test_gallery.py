@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import re
 from pathlib import Path
 from types import ModuleType
 
@@ -34,6 +35,16 @@ def test_a_world_of_the_gallery_is_read_and_shown(path: Path, tool: ModuleType) 
     assert f"(../worlds/{path.name})" in page
     assert f"(../pictures/format-{path.stem}.png)" in page
     assert (ROOT / "docs" / "pictures" / f"format-{path.stem}.png").is_file()
+
+
+def test_each_bundled_scenario_is_on_its_page_with_a_picture_and_its_command() -> None:
+    page = (ROOT / "docs" / "reference" / "scenarios.md").read_text(encoding="utf-8")
+    sections = {part.split("\n")[0]: part for part in page.split("\n## ")[1:]}
+    assert set(sections) == {entry.name for entry in make_registry(entry_points=[]).entries("scenario")}
+    for name, section in sections.items():
+        assert f"amorsim run {name}" in section
+        (picture,) = re.findall(r"\(\.\./(pictures/[^)]+)\)", section)
+        assert (ROOT / "docs" / picture).is_file()
 
 
 def test_there_is_one_of_each_kind(tool: ModuleType) -> None:
