@@ -136,6 +136,7 @@ if TYPE_CHECKING:
     from amorsim.simulation.simulation import Simulation
     from amorsim.sweeps.sweep import sweep
     from amorsim.sweeps.table import Study, read_study
+    from amorsim.ui.run_page.document import run_page
     from amorsim.ui.view import view
 
 _MODULES = {
@@ -186,6 +187,7 @@ _MODULES = {
     "amorsim.simulation.noise_stages": "KeptStages Stage keep_stages",
     "amorsim.sweeps.sweep": "sweep",
     "amorsim.sweeps.table": "Study read_study",
+    "amorsim.ui.run_page.document": "run_page",
     "amorsim.ui.view": "view",
 }
 _PACKAGES = (
@@ -318,6 +320,7 @@ __all__ = [
     "report",
     "reproduce",
     "run",
+    "run_page",
     "save_device",
     "save_map",
     "save_robot",

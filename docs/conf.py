@@ -9,6 +9,7 @@ HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "tools"))  # which are no package
 
 import site_pages  # noqa: E402
+import site_runs  # noqa: E402
 
 project = "amorsim"
 author = "the authors of amorsim"
@@ -39,8 +40,15 @@ def change_page(_, page, source):
     source[0] = site_pages.as_contents(page, text)
 
 
+def add_runs(app, exception):
+    """Make the runs that the page of scenarios plays."""
+    if exception is None and app.builder.name == "html":
+        site_runs.make_runs(Path(app.outdir) / "runs")
+
+
 def setup(app):
-    """Make the pages of components and public names, and change all pages as they are read."""
+    """Make the pages of components and public names, change all pages as they are read, and add runs to play."""
     site_pages.make_parts(HERE)
     app.connect("source-read", change_page)
+    app.connect("build-finished", add_runs)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

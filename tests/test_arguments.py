@@ -92,6 +92,7 @@ FUNCTIONS: dict[str, tuple[Call, set[str]]] = {
     "replicas": (lambda x: am.Simulation(scenario(robot()), replicas=x), ALL - {"whole", "bytes", "true"}),
     "run": (am.run, ALL),
     "reproduce": (am.reproduce, ALL),
+    "run_page": (am.run_page, ALL),
     "keep_stages": (am.keep_stages, ALL),
     "record": (am.record, ALL),
     "draw": (am.draw, ALL),

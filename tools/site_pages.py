@@ -22,6 +22,13 @@ LONG_PAGES = ("reference/components", "reference/python")
 CONTENTS = ("index", "explanation/errors/README")
 """Pages whose links are the site's tables of contents."""
 
+SCENARIOS = "reference/scenarios"
+"""The page of bundled scenarios, where each can be played."""
+
+_RUN = re.compile(r"^```sh\namorsim run (\S+)\n```$", re.MULTILINE)
+_PLAY = r"""\g<0>
+
+<p class="play"><a href="../runs/\1.html">Play a run of it</a></p>"""
 _ALONE = "---\norphan: true\n---\n\n"  # of a page that its own list leads to, and not the table beside every page
 
 _LINK = re.compile(r"(!?\[[^\]]*\]\()([^)\s]+)(\))")
@@ -99,6 +106,8 @@ def as_contents(page: str, text: str) -> str:
     """The text of a page with the tables of contents that it is for the site."""
     if page in LONG_PAGES:
         return _list_of_parts(page, text)
+    if page == SCENARIOS:
+        return _RUN.sub(_PLAY, text)
     if page.startswith("decisions/"):
         return _ALONE + text
     if page not in CONTENTS:

@@ -15,6 +15,7 @@ __all__ = ["Cells", "TimedLines"]
 Cells = list[bytes]
 
 BLOCK = 1 << 16  # [bytes] that are read at once
+FEW = 4096  # bytes that hold the last lines
 FARTHEST = 1 << 23  # [bytes] that `last` looks back
 
 
@@ -62,6 +63,8 @@ class TimedLines:
             self._end = self._last_line_end(self._file.seek(0, 2))
         except OSError as error:
             raise self._unreadable(error) from None
+        self._asked = (math.nan, math.nan)  # the last arguments of `at`, and what it returned
+        self._found: list[Cells] = []
         self._hint = (-math.inf, self._start)  # all lines before this place are earlier than this time
 
     def close(self) -> None:
@@ -72,18 +75,20 @@ class TimedLines:
 
     def at(self, time: float, within: float) -> list[Cells]:
         """The cells of all lines whose time is less than `within` from `time` [s]."""
-        found = []
-        for _, moment, cells in self._lines(self._first(time - within)):
-            if moment >= time + within:
-                break
-            found.append(cells)
-        return found
+        if self._asked != (time, within):  # of one moment, each robot's are asked for
+            self._found = []
+            for _, moment, cells in self._lines(self._first(time - within)):
+                if moment >= time + within:
+                    break
+                self._found.append(cells)
+            self._asked = (time, within)
+        return self._found
 
     def last(self, time: float, is_wanted: Callable[[Cells], bool]) -> Cells | None:
         """The last line at or before `time` [s] that is wanted; None if there is none in the 8 MiB before it."""
         end = self._first(math.nextafter(time, math.inf))
         limit = max(self._start, end - FARTHEST)
-        size = BLOCK
+        size = FEW  # mostly, one of the last lines is wanted
         while end > limit:
             begin = max(self._start, end - size)
             if begin > self._start:
@@ -94,7 +99,7 @@ class TimedLines:
             for line in reversed(list(self._lines(begin, end))):
                 if is_wanted(line[2]):
                     return line[2]
-            end, size = begin, BLOCK
+            end, size = begin, min(2 * size, BLOCK)
         return None
 
     @property

@@ -53,7 +53,7 @@ export function build({ stage, timebar, driving, form, replay }) {
       make("saveRun", h("button", { class: "holders-only live-only" }, "save run")),
       make("saveScenario", h("button", { class: "holders-only live-only", title: "the scenario with its present parameters" }, "save as…")),
       make("picture", h("button", { title: "a picture of the view" }, "picture")),
-      make("film", h("button", { title: "record the view as a GIF", "aria-pressed": "false" }, "GIF")),
+      make("film", h("button", { class: "server-only", title: "record the view as a GIF", "aria-pressed": "false" }, "GIF")),
       make("theme", h("button", { class: "icon", "aria-label": "light or dark (L)", title: "light or dark (L)" }, "◐")),
       make("keys", h("button", { class: "icon", "aria-label": "keys (?)", title: "keys (?)" }, "?")),
     ),

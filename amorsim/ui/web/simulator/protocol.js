@@ -32,3 +32,28 @@ export function readFrame(buffer, scene) {
   });
   return frame;
 }
+
+/**
+ * The bytes of a frame, which `readFrame` reads.
+ * @param {Record<string, number>} head the numbers of its header; counts are those of the blocks
+ * @param {Record<string, ArrayLike<number>>} blocks by name; those that are missing are empty, or nan
+ * @returns {ArrayBuffer}
+ */
+export function writeFrame(head, blocks) {
+  /** @type {Record<string, number>} */
+  const counts = {};
+  for (const [name, , counted, each] of BLOCKS) if (counted) counts[counted] ??= (blocks[name]?.length ?? 0) / each;
+  const sizes = BLOCKS.map(([, Kind, counted, each]) => Kind.BYTES_PER_ELEMENT * each * (counted ? counts[counted] : 1));
+  const buffer = new ArrayBuffer(sizes.reduce((sum, size) => sum + size, HEADER_SIZE));
+  const view = new DataView(buffer);
+  view.setUint32(0, MAGIC, true);
+  for (const [name, kind, at] of HEADER) view[`set${kind}`](at, counts[name] ?? head[name] ?? 0, true);
+  let at = HEADER_SIZE;
+  BLOCKS.forEach(([name, Kind], n) => {
+    const block = new Kind(buffer, at, sizes[n] / Kind.BYTES_PER_ELEMENT);
+    if (blocks[name]) block.set(blocks[name]);
+    else block.fill(NaN);
+    at += sizes[n];
+  });
+  return buffer;
+}

@@ -17,7 +17,7 @@ export class Replay {
     this.chooser = h("div", { class: "replica", hidden: true }, h("label", { for: "replica" }, "replica"), this.replica);
     this.facts = h("dl", { class: "facts" });
     this.lacks = h("ul", { class: "lacks" });
-    this.lacking = h("section", { hidden: true }, h("h3", {}, "Not in this folder"), this.lacks);
+    this.lacking = h("section", { hidden: true }, h("h3", {}, "Not shown"), this.lacks);
     this.element = h("div", { class: "about" }, this.chooser, this.facts, this.lacking);
     this.bins = new Map();
   }

@@ -14,7 +14,6 @@ import { isDrawn } from "./readings.js";
 import { Saving } from "./saving.js";
 import { Replay } from "./replay.js";
 import { readScene } from "../shared/scene.js";
-import { Connection } from "../shared/socket.js";
 import { Stage } from "./stage.js";
 import { startTheme } from "../shared/theme.js";
 import { TimeBar } from "./timebar.js";
@@ -24,7 +23,9 @@ const TABLE_EVERY = 90; // milliseconds: faster nobody reads
 const STATE_EVERY = 1000;
 
 export class Simulator {
-  constructor(root) {
+  /** @param {HTMLElement} root
+   * @param {(on: object) => any} connect makes the connection: `Connection`, or what answers and plays in its place */
+  constructor(root, connect) {
     this.root = root;
     this.toggleTheme = startTheme(root);
     const ask = (command) => this.ask(command);
@@ -59,7 +60,7 @@ export class Simulator {
     this.saving = new Saving(this);
     this.timings = { draws: [], intervals: [] };
     this.listen();
-    this.connection = new Connection({
+    this.connection = connect({
       frame: (buffer) => this.frameCame(buffer),
       news: (message) => this.newsCame(message),
       open: () => this.opened(),
@@ -382,6 +383,3 @@ export class Simulator {
     return this.ask({ do: "controls", want: this.isMine ? "give" : "ask", to: this.isMine ? this.state.asking[0] : undefined }).then(() => this.askState());
   }
 }
-
-const root = /** @type {HTMLElement & {simulator?: Simulator}} */ (document.querySelector(".amorsim"));
-root.simulator = new Simulator(root);
