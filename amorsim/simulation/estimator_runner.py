@@ -16,7 +16,7 @@ from amorsim.core.error_text import in_words
 from amorsim.core.errors import AmorsimError, ComponentError, did_you_mean
 from amorsim.scenario.programs.programs import loaded_robot
 from amorsim.scenario.spec import Robot
-from amorsim.simulation.alike import channels_of, reading_size, robot_model
+from amorsim.simulation.alike import channels_of, poses_of, reading_size, robot_model
 from amorsim.simulation.checked_arguments import checked_seed
 from amorsim.simulation.drive_check import check_drive
 from amorsim.simulation.error_context import ErrorContext
@@ -114,7 +114,9 @@ class EstimatorRunner:
         draws = {one: self._streams.draws("estimator", one) for one in robot.estimators}
         self._estimators = Estimators(draws, whose, self._clock)
         self._estimators.set_parameters([robot])
-        pose, covariance = first_beliefs([robot], None if seed is None else self._streams.draws(*BELIEF))
+        pose, covariance = first_beliefs(
+            [robot], poses_of([robot]), None if seed is None else self._streams.draws(*BELIEF)
+        )
         self._estimators.start(
             Context(rows=1, dt=self._dt, robot=self._model, pose=pose, names=[robot.name], covariance=covariance)
         )

@@ -10,7 +10,6 @@ import numpy.typing as npt
 from amorsim.contracts import Draws
 from amorsim.kernels.filters.gaussians import draw_around
 from amorsim.scenario.spec import Robot
-from amorsim.simulation.alike import poses_of
 
 __all__ = ["BELIEF", "first_beliefs"]
 
@@ -20,12 +19,13 @@ BELIEF = ("initial_belief",)
 """The name of the stream that errors of initial beliefs are drawn from."""
 
 
-def first_beliefs(robots: Sequence[Robot], draws: Draws | None) -> tuple[Array, Array | None]:
+def first_beliefs(robots: Sequence[Robot], starts: Array, draws: Draws | None) -> tuple[Array, Array | None]:
     """The poses `(N, 3)` that robots of one group believe to start from, and their covariances; None if exact.
 
-    A pose is nan if nothing is known of it. A Gaussian one is drawn about the nominal one; without `draws` it is that.
+    `starts` `(N, 3)` are where they start. A pose is nan if nothing is known of it. A Gaussian one is drawn about the
+    start; without `draws` it is that.
     """
-    poses = poses_of(robots)
+    poses = starts.copy()
     match robots[0].initial_belief.kind:
         case "exact":
             return poses, None

@@ -21,7 +21,7 @@ from amorsim.simulation.events import Event
 from amorsim.simulation.first_beliefs import BELIEF
 from amorsim.simulation.group import Group
 from amorsim.simulation.obstacles import ObstacleGroup
-from amorsim.simulation.placing import with_start
+from amorsim.simulation.placing import Areas, draw_starts_again, with_start
 from amorsim.simulation.schedule import Call
 from amorsim.simulation.starting import bodies_of, starts_in, world_of
 from amorsim.simulation.world.terrain import Terrains
@@ -87,6 +87,8 @@ class Fleet:
         check_collisions(seed, [*streams, *((body.name, "start") for body in bodies if body.start is not None)])
         self.world = world_of(scenario, robots, obstacles, terrain, threads)
         source = str(scenario.source) if scenario.source else ""
+        self._placed = bodies
+        self._areas: Areas | None = None
         self._starts = starts_in(self.world, bodies, seed, replicas, source)
         try:
             self.groups = [
@@ -104,6 +106,7 @@ class Fleet:
         moved = [group for group in self.obstacles if group.motion is not None]
         self.movement = Movement(self.world, [*self.groups, *self.parts, *moved])
         self.has_emitters = any(unit.sensor.medium for group in self.groups for unit in group.sensors.values())
+        self.upcoming: Any = None  # a snapshot of the next episodes' starts; see `amorsim.simulation.restart`
         self.calls: Sequence[Call] = ()  # of a step; see `amorsim.simulation.phases.calls_of`
         self.touching: frozenset[tuple[int, int]] = frozenset()
         self.contacts: frozenset[tuple[int, int]] = frozenset()
@@ -143,6 +146,20 @@ class Fleet:
             return robot
         here = self.terrains.of(known).at(index)
         return robot if here is known else attrs.evolve(robot, knowledge=attrs.evolve(robot.knowledge, map=here))
+
+    def draw_starts(self, which: npt.NDArray[np.bool_]) -> None:
+        """Draw the starts of the present episode in the replicas marked in `which` `(R,)`, if any are random."""
+        if not any(body.start is not None and body.start.per == "replica" for body in self._placed):
+            return
+        source = str(self.scenario.source) if self.scenario.source else ""
+        if self._areas is None:
+            self._areas = Areas(self.world, [body.start for body in self._placed])
+        given = self._placed, self._starts, self.seed, self.replicas, self.episodes, which, self._areas, source
+        self._starts = draw_starts_again(self.world, *given)
+        random = np.array([body.start is not None for body in self._placed])
+        for group in self.everything:
+            drawn = random[group.bodies % self.world.count]
+            group.drawn_start[drawn] = self._starts[group.bodies[drawn]]
 
     def place(self) -> None:
         """Copy the groups' poses to the bodies of the world."""

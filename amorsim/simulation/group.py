@@ -82,6 +82,7 @@ class Group:
         self.row_clock = RowClock(replica, dt)
         self.whose = ErrorContext("robot", self.names, self.row_clock)
         self.world = world
+        self.drawn_start = np.full((self.rows, 3), np.nan)  # of a later episode, where starts are random
         self.is_bound = False  # whether `calls` are those for the present parameters and states
         joints = len(robots[0].drive.joints)
         self.true_pose, self.true_twist = np.zeros((self.rows, 3)), np.zeros((self.rows, 3))
@@ -165,9 +166,12 @@ class Group:
     def start(self) -> None:
         """Start an episode in every row. Sensing and estimating follow when all bodies are placed."""
         rows = self.rows
-        pose, covariance = first_beliefs(self.specified, self._belief_draws)
+        nominal, true = poses_of(self.specified), poses_of(self.true)
+        is_drawn = ~np.isnan(self.drawn_start)
+        starts = np.where(is_drawn, self.drawn_start, nominal)
+        pose, covariance = first_beliefs(self.specified, starts, self._belief_draws)
         context = Context(rows=rows, dt=self.dt, robot=self.robot, pose=pose, names=self.names, covariance=covariance)
-        self.true_pose[:] = poses_of(self.true)
+        self.true_pose[:] = np.where(is_drawn, starts + (true - nominal), true)
         for array in (self.true_twist, self.joints, self.joints_before, self.joint_rates, self.command):
             array[:] = 0.0
         self.drive_state: State = self._start_drive(context)

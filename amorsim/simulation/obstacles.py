@@ -37,6 +37,8 @@ class ObstacleGroup:
         self.obstacles = list(obstacles)
         self.names = [obstacle.name for obstacle in obstacles]
         self.specified = self.obstacles
+        self._given_start = np.array([[o.pose.x, o.pose.y, o.pose.heading] for o in obstacles], dtype=np.float64)
+        self.drawn_start = np.full((len(obstacles), 3), np.nan)  # of a later episode, where starts are random
         self.bodies = bodies
         self.row_clock = RowClock(replica, dt)
         self.whose = ErrorContext("obstacle", self.names, self.row_clock)
@@ -58,7 +60,7 @@ class ObstacleGroup:
     def start(self) -> None:
         """Put every obstacle at its start."""
         rows = len(self.obstacles)
-        self.true_pose = np.array([[o.pose.x, o.pose.y, o.pose.heading] for o in self.obstacles], dtype=np.float64)
+        self.true_pose = np.where(np.isnan(self.drawn_start), self._given_start, self.drawn_start)
         self.true_twist = np.zeros((rows, 3))
         self.free = np.ones((rows, 1))
         self.proposed = np.zeros((rows, 3))  # displacements

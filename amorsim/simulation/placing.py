@@ -20,7 +20,7 @@ from amorsim.scenario.spec import Obstacle, Pose, Robot
 from amorsim.simulation.contact.moved_parts import with_parts
 from amorsim.simulation.world.world import World
 
-__all__ = ["draw_starts", "with_start"]
+__all__ = ["Areas", "draw_starts", "draw_starts_again", "with_start"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -46,9 +46,9 @@ def draw_starts(
 ) -> Array:
     """Poses `(T, 3)` of all bodies in all replicas: `given` `(R, B, 3)`, or drawn for those that start at random.
 
-    Each try of a body is a pure function of seed, name, replica and the try's number. All bodies try at once. A body
-    that overlaps a wall or a placed body tries again; of two that overlap each other, the later by name does. So a
-    replica depends only on its own bodies. Starts drawn once for the study come first.
+    Each try of a body is a pure function of seed, name, replica, episode and the try's number. All bodies try at once.
+    A body that overlaps a wall or a placed body tries again; of two that overlap each other, the later by name does. So
+    a replica depends only on its own bodies. Starts drawn once for the study come first.
 
     Raises
     ------
@@ -74,7 +74,40 @@ def draw_starts(
         if chosen.any():
             numbers = [STUDY] * len(replicas) if per == "study" else list(replicas)
             every = np.tile(np.concatenate((chosen, own)), len(replicas))
-            tries = max(tries, _draw(world, bodies, every, numbers, seed, poses, placed, inside))
+            first = np.zeros(len(replicas), dtype=np.int64)
+            tries = max(tries, _draw(world, bodies, every, numbers, first, seed, poses, placed, inside))
+    lost = np.flatnonzero(~placed & (world.owner == world.everyone))
+    if len(lost):
+        raise ScenarioError(_no_room(world, bodies, lost, tries, source))
+    return poses
+
+
+def draw_starts_again(
+    world: World,
+    bodies: Sequence[Robot | Obstacle],
+    poses: Array,
+    seed: int,
+    replicas: Sequence[int],
+    episodes: Ints,
+    which: npt.NDArray[np.bool_],
+    areas: Areas,
+    source: str,
+) -> Array:
+    """Start poses `(T, 3)` of later `episodes` `(R,)` in the replicas marked in `which` `(R,)`; else as in `poses`.
+
+    Starts that are drawn once for the study stay as they are.
+
+    Raises
+    ------
+    ScenarioError
+        If some find no place.
+    """
+    own = np.zeros(world.count - world.named, dtype=bool)
+    drawn = np.concatenate(([body.start is not None and body.start.per == "replica" for body in bodies], own))
+    chosen = (which[:, None] & drawn).reshape(-1)
+    poses, placed = poses.copy(), ~chosen[world.owner]
+    inside = with_parts(world, bodies, replicas, seed)
+    tries = _draw(world, bodies, chosen, list(replicas), episodes, seed, poses, placed, inside, areas)
     lost = np.flatnonzero(~placed & (world.owner == world.everyone))
     if len(lost):
         raise ScenarioError(_no_room(world, bodies, lost, tries, source))
@@ -86,10 +119,12 @@ def _draw(
     bodies: Sequence[Robot | Obstacle],
     chosen: npt.NDArray[np.bool_],
     numbers: Sequence[int],
+    episodes: Ints,
     seed: int,
     poses: Array,
     placed: npt.NDArray[np.bool_],
     inside: Array,
+    areas: Areas | None = None,
 ) -> int:
     """Find places for the chosen bodies `(T,)`, into `poses` and `placed`; returns the number of tries.
 
@@ -100,7 +135,7 @@ def _draw(
     clearance = np.zeros((len(numbers), count))
     clearance[:, : world.named] = [0.0 if body.start is None else body.start.clearance for body in bodies]
     clearance = clearance.reshape(-1)[owner]
-    areas = _Areas(world, [body.start for body in bodies])
+    areas = Areas(world, [body.start for body in bodies]) if areas is None else areas
     left: list[Ints] = []  # bodies without a place in each replica, before each try
     for attempt in range(TRIES):
         todo = np.flatnonzero(chosen & ~placed)
@@ -109,6 +144,7 @@ def _draw(
             return attempt
         counter = np.zeros((len(todo), 3), dtype=np.uint32)
         counter[:, 0] = np.asarray(numbers)[todo // count]
+        counter[:, 1] = episodes[todo // count]
         counter[:, 2] = attempt
         tries = areas.poses(todo % count, todo // count, Draws(keys[todo % count], counter).uniform(4))
         poses[todo] = tries
@@ -189,7 +225,7 @@ def _put_parts(world: World, poses: Array, inside: Array) -> None:
         poses[world.parts] = compose(poses[world.owner[world.parts]], inside[world.parts])
 
 
-class _Areas:
+class Areas:
     """The area where each body may start: its box, or any free cell of a coarse view of its replica's map."""
 
     def __init__(self, world: World, starts: Sequence[RandomStart | None]) -> None:

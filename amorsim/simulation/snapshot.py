@@ -152,10 +152,9 @@ def put_back(fleet: Fleet, snapshot: Snapshot, which: Bools) -> None:
             for name, array in arrays.items():
                 array[rows] = held.arrays[unit][name][rows]
         for where, state in group.states().items():
-            for name, array in copy_state(where, held.states[where]).items():
-                state[name] = np.where(rows.reshape(len(rows), *([1] * (array.ndim - 1))), array, state[name])
-        if isinstance(group, Group):
-            group.is_bound = False
+            chosen = {name: array[rows] for name, array in held.states[where].items()}
+            for name, array in copy_state(where, chosen).items():
+                state[name][rows] = array  # in its place: what a step calls is bound to it
     fleet.place()
     fleet.tell_time()
 

@@ -248,3 +248,44 @@ def test_a_true_value_out_of_bounds_says_where_from_and_that_it_was_drawn(tmp_pa
     assert re.search(
         r"expected a number \[m\] >= 0.001 and <= 100, got -\d.*, drawn for replica \d+; take a narrower", fault.message
     )
+
+
+def test_random_starts_are_drawn_for_each_episode_and_are_those_of_the_replica_alone() -> None:
+    start = am.RandomStart(clearance=0.2)
+    robots = [attrs.evolve(robot, pose=None, start=start) for robot in crowd().robots]
+    scenario = attrs.evolve(crowd(), robots=robots)
+    sim = am.Simulation(scenario, replicas=[3, 7, 8])
+    alone = am.Simulation(scenario, replicas=[7])
+    seen = []
+    for episode in range(4):
+        if episode:
+            sim.reset(replicas=[7])
+            alone.reset()
+        handle = sim.robot("r0", 7)
+        seen.append(tuple(handle.true_pose.tolist()))
+        assert (handle.true_pose == alone.robot("r0").true_pose).all()
+        assert (handle.estimated_pose == handle.true_pose).all()
+        run(sim, 7)
+        run(alone, 7)
+        assert sim.digest(7) == alone.digest(7)
+    assert len(set(seen)) == 4
+
+
+def test_replicas_that_begin_again_one_by_one_are_those_that_begin_together() -> None:
+    """Next episodes are begun ahead for all replicas; what is set meanwhile counts all the same."""
+    sims = [am.Simulation(crowd(), replicas=4) for _ in range(2)]
+    together, apart = (run(sim, 9) for sim in sims)
+    apart.reset(replicas=[2])
+    run(apart, 5)
+    for sim in sims:
+        sim.set("r0", "errors.drive.track.scale", 1.05)
+    for replica in (0, 1, 3):
+        apart.reset(replicas=[replica])
+    apart.reset(replicas=[2])
+    together.reset()
+    together.reset(replicas=[2])
+    assert [apart.digest(replica) for replica in range(4)] == [together.digest(replica) for replica in range(4)]
+    assert apart.ticks.tolist() == [0, 0, 0, 0]
+    run(apart, 20)
+    run(together, 20)
+    assert [apart.digest(replica) for replica in range(4)] == [together.digest(replica) for replica in range(4)]
