@@ -55,10 +55,11 @@ def roomy_places(world: Map, count: int) -> list[tuple[float, float]]:
     return [_to_world(world, (col + 0.5) * side, (row + 0.5) * side) for row, col in places]
 
 
-def free_places(world: Map) -> tuple[NDArray[np.float64], float]:
+def free_places(world: Map, clearance: float = 0.0) -> tuple[NDArray[np.float64], float]:
     """Middles (M, 2) [m] in the world of free squares, and their side [m], searched as in `freest_place`.
 
-    Only squares that free squares connect to the roomiest place: none in a hollow pillar, or around the building.
+    Only squares that free squares connect to the roomiest place: none in a hollow pillar, or around the building; and
+    only those whose middle is at least `clearance` [m] from all that is not free, or if there are none, the roomiest.
 
     Raises
     ------
@@ -66,6 +67,9 @@ def free_places(world: Map) -> tuple[NDArray[np.float64], float]:
         If nothing is free at the finest look.
     """
     cells, side = _free_cells(world, joined)
+    if clearance > 0.0:
+        room = room_about(cells)
+        cells = room >= min(clearance / side + 0.5, room.max())
     rows, cols = np.nonzero(cells)
     x, y = (cols + 0.5) * side, (rows + 0.5) * side
     origin_x, origin_y, yaw = world.origin

@@ -76,6 +76,7 @@ class Group:
         self.specified = list(robots)
         self.names = [robot.name for robot in robots]
         self.rows = len(self.names)  # robots, over all replicas
+        self._rows_by_name: dict[str, Ints] = {}
         self.bodies = bodies
         self.dt = dt
         self.seed = seed
@@ -188,6 +189,12 @@ class Group:
         if self.parts is not None:
             self.parts.start()
         self.is_bound = False
+
+    def rows_of(self, name: str) -> Ints:
+        """The rows of a robot, in order of replica."""
+        if name not in self._rows_by_name:
+            self._rows_by_name[name] = np.flatnonzero([one == name for one in self.names])
+        return self._rows_by_name[name]
 
     # ------------------------------------------------------------------------------------------------ the schedule
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.contracts import Estimate, Measurement, RobotModel
 from amorsim.controllers.driving import command_along, joints_of
 from amorsim.controllers.manual import limited
 from amorsim.core.error_text import in_words
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from amorsim.simulation.group import Group
     from amorsim.simulation.obstacles import ObstacleGroup
 
-__all__ = ["ObstacleHandle", "Reading", "Readings", "RobotHandle", "finite_numbers"]
+__all__ = ["Known", "ObstacleHandle", "Reading", "Readings", "RobotHandle", "finite_numbers"]
 
 Array = npt.NDArray[np.float64]
 
@@ -37,6 +38,14 @@ class Reading(NamedTuple):
     stamp: npt.NDArray[np.int64]  # the tick of both
     age: Array  # [s]
     fresh: npt.NDArray[np.bool_]
+
+
+class Known(NamedTuple):
+    """What the robots of some rows know: a model of themselves, readings as measured, an estimate of their poses."""
+
+    robot: RobotModel
+    readings: Mapping[str, Measurement]
+    estimate: Estimate
 
 
 class Readings(Mapping[str, Reading]):

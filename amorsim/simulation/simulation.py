@@ -29,10 +29,11 @@ from amorsim.simulation.checked_arguments import (
     numbers_in_words,
     replica_numbers,
 )
+from amorsim.simulation.driving import drive_all
 from amorsim.simulation.events import Event
 from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.gathering import digest_of, gathered, touching_robots
-from amorsim.simulation.handle import ObstacleHandle, Reading, Readings, RobotHandle, finite_numbers
+from amorsim.simulation.handle import Known, ObstacleHandle, Reading, Readings, RobotHandle, finite_numbers
 from amorsim.simulation.keeping import Keeper
 from amorsim.simulation.regroup import frames_as
 from amorsim.simulation.restart import begin_episode, fleet_fitting
@@ -267,6 +268,11 @@ class Simulation:
         return self.tick * self.dt
 
     @property
+    def episodes(self) -> Ints:
+        """The number of each replica's present episode, `(R,)`: 0 until it is reset."""
+        return self._fleet.episodes.copy()
+
+    @property
     def names(self) -> tuple[str, ...]:
         """The robots' names, in the order of their rows within a replica."""
         return self._fleet.names
@@ -275,6 +281,11 @@ class Simulation:
     def true_pose(self) -> Array:
         """True poses (x [m], y [m], heading [rad]) in the world `(N, 3)`, in order of replica, then of name."""
         return gathered(self._fleet, lambda group: group.true_pose)
+
+    @property
+    def true_twist(self) -> Array:
+        """True velocities (forward, left [m/s], turn [rad/s]) in each robot's frame `(N, 3)`, of the last step."""
+        return gathered(self._fleet, lambda group: group.true_twist)
 
     @property
     def estimated_pose(self) -> Array:
@@ -309,6 +320,21 @@ class Simulation:
                 "the robots are of several kinds, whose readings differ in shape; take robot(name).readings"
             )
         return Readings(self._fleet.groups[0])
+
+    def known(self, name: str) -> Known:
+        """What a robot knows, a row for each replica: as its controller is given it. Read it again after a step.
+
+        Raises
+        ------
+        AmorsimError
+            If there is no such robot, or others of the same model, whose rows lie between its own.
+        """
+        if name not in self.names:
+            raise AmorsimError(no_such("robot", name, self.names))
+        group = next(group for group in self._fleet.groups if name in group.names)
+        if group.rows != len(self.replicas):
+            raise AmorsimError(f"robot {name!r}: others are of the same model; take robot(name, replica) of each")
+        return Known(group.robot, group.readings, group.estimate)
 
     @property
     def parts(self) -> tuple[str, ...]:
@@ -398,6 +424,20 @@ class Simulation:
             )
         self.robot(name, self.replicas[0])  # is there one?
         self._hold(changes.with_other_chain(self._fleet, name, path, value))
+
+    def drive(self, name: str, forward: Any = 0.0, turn: Any = 0.0, left: Any = 0.0) -> None:
+        """Set the velocity of a robot in all replicas at once: forward [m/s], turn [rad/s], left [m/s].
+
+        It is held until the next. Each is a number, or an array `(R,)` in the order of `replicas`. In each replica it
+        does what ``robot(name, replica).drive`` does.
+
+        Raises
+        ------
+        AmorsimError
+            If the robot is not driven from outside: its controller is not ``manual`` and it was not handed over; or if
+            these are not finite numbers, of which 1e12 is the largest.
+        """
+        drive_all(self._fleet, name, forward, left, turn)
 
     def hand_over(self, name: str, to: str = "hand", *, replica: int | None = None) -> None:
         """Drive a robot from outside from the next step on, or by its controller again.

@@ -199,3 +199,53 @@ def test_a_run_with_a_hand_in_between_reproduces(tmp_path: Path) -> None:
     lines = events.read_text().splitlines(keepends=True)
     events.write_text("".join(line for line in lines if "handed_over" not in line))
     assert not am.reproduce(tmp_path / "run").is_same
+
+
+def test_all_replicas_are_driven_at_once_as_they_are_one_by_one() -> None:
+    robots = [
+        building.robot(name="a", controller=am.controllers.Manual(speed=0.4)),
+        building.robot(
+            name="b",
+            pose=am.Pose(x=3.0, y=3.0),
+            controller=am.controllers.Pursuit(waypoints=((4.0, 4.0), (1.0, 4.0))),
+        ),
+    ]
+    scenario = building.scenario(*robots)
+    one, all_ = (am.Simulation(scenario, replicas=[4, 7, 9]) for _ in range(2))
+    random = np.random.default_rng(2)
+    for sim in (one, all_):
+        for replica in (4, 7, 9):
+            sim.hand_over("b", replica=replica)
+    for _ in range(6):
+        forward, turn = random.normal(size=(2, 3))
+        for name in ("a", "b"):
+            all_.drive(name, forward=forward, turn=turn)
+            for k, replica in enumerate((4, 7, 9)):
+                one.robot(name, replica).drive(forward=forward[k], turn=turn[k])
+        one.step()
+        all_.step()
+    assert all_.digest() == one.digest()
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"name": "c"}, "no robot 'c'"),
+        ({"name": "b"}, "only the 'manual' controller takes commands"),
+        ({"name": "a", "forward": [1.0, 2.0, 3.0]}, "one for each of 2 replicas"),
+        ({"name": "a", "turn": float("nan")}, "expected for forward, left and turn a finite number"),
+        ({"name": "a", "left": "fast"}, "expected for forward, left and turn a finite number"),
+    ],
+)
+def test_what_cannot_be_driven_is_refused(given: dict[str, Any], words: str) -> None:
+    robots = [
+        building.robot(name="a", controller=am.controllers.Manual()),
+        building.robot(
+            name="b",
+            pose=am.Pose(x=3.0, y=3.0),
+            controller=am.controllers.Pursuit(waypoints=((4.0, 4.0), (1.0, 4.0))),
+        ),
+    ]
+    sim = am.Simulation(building.scenario(*robots), replicas=2)
+    with pytest.raises(am.AmorsimError, match=words):
+        sim.drive(**given)

@@ -1,0 +1,27 @@
+"""Environments for learners: scenarios and tasks as Gymnasium has them. It needs the extra ``learn``.
+
+Importing this package registers the tasks with Gymnasium: ``gymnasium.make_vec("amorsim/PointGoal-v0", num_envs=64)``.
+"""
+
+from __future__ import annotations
+
+from amorsim.learning.contracts import Known, Outcome, Task, Truth
+from amorsim.learning.registration import TASKS, make, make_vec, register_all
+from amorsim.learning.single import SimulationEnv
+from amorsim.learning.tasks.point_goal import PointGoal
+from amorsim.learning.vector import SimulationVectorEnv
+
+__all__ = [
+    "TASKS",
+    "Known",
+    "Outcome",
+    "PointGoal",
+    "SimulationEnv",
+    "SimulationVectorEnv",
+    "Task",
+    "Truth",
+    "make",
+    "make_vec",
+]
+
+register_all()

@@ -1,0 +1,296 @@
+"""A Gymnasium vector environment whose environments are the replicas of one simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import attrs
+import gymnasium as gym
+import numpy as np
+import numpy.typing as npt
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+
+from amorsim.contracts import Draws, RobotModel
+from amorsim.controllers.manual import Manual
+from amorsim.core.draws import stream_key
+from amorsim.core.errors import AmorsimError
+from amorsim.learning.contracts import Episode, Known, Outcome, Task, Truth
+from amorsim.scenario.spec import Scenario
+from amorsim.simulation.simulation import MAX_REPLICA, Simulation
+
+__all__ = ["SimulationVectorEnv"]
+
+Array = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
+
+_LARGE = 1e6  # no true quantity is larger
+_STUDY = 0
+"""The seed of every simulation here. An environment's own seed is the number of its replica."""
+
+
+class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
+    """Environments in one simulation: replica k of it is the environment whose seed is k.
+
+    So ``reset(seed=7)`` of 100 environments simulates the replicas 7 to 106, and environment i is to the bit the single
+    one that is reset with the seed 7 + i: whatever the number of environments, threads, and the autoreset mode. A later
+    reset without a seed begins the next episode, whose starts, noise and task differ. An episode is known by its seed
+    and its number, which the info ``episode_number`` has.
+
+    Parameters
+    ----------
+    scenario
+        With one robot, whose controller the actions replace.
+    task
+        What is observed, rewarded and drawn.
+    num_envs
+        Number of environments.
+    autoreset_mode
+        As Gymnasium has it: ``"NextStep"``, ``"SameStep"`` or ``"Disabled"``.
+    privileged
+        Whether observations are a dictionary: ``"observation"``, and ``"privileged"`` with true quantities for a
+        critic.
+    dtype
+        Of observations and actions: ``"float32"`` or ``"float64"``.
+    threads
+        That share the simulation's work; it does not change the bits.
+
+    Raises
+    ------
+    AmorsimError
+        If the scenario has another number of robots than one, or a period is no whole number of its steps.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        task: Task,
+        num_envs: int = 1,
+        *,
+        autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
+        privileged: bool = False,
+        dtype: str = "float32",
+        threads: int = 1,
+    ) -> None:
+        if len(scenario.robots) != 1:
+            raise AmorsimError(f"expected a scenario with one robot, got one with {len(scenario.robots)}")
+        self.task = task
+        self.num_envs = num_envs
+        self._mode = AutoresetMode(autoreset_mode)
+        self.metadata = {"render_modes": [], "autoreset_mode": self._mode}
+        self._threads = threads
+        self._robot_name = scenario.robots[0].name
+        hand = Manual()
+        self._scenario = attrs.evolve(scenario, robots=[attrs.evolve(scenario.robots[0], controller=hand)])
+        self._steps_per_action = _whole(task.period, scenario.dt, "period")
+        self._horizon = _whole(task.horizon, task.period, "horizon")
+        self._dtype = np.dtype(dtype)
+        self._is_privileged = privileged
+        self._begin_first(range(num_envs))  # for the spaces
+        self._is_begun = False
+        self._make_spaces()
+        self._count = np.zeros(num_envs, dtype=np.int64)  # actions in each episode
+        self._is_over = np.zeros(num_envs, dtype=bool)
+
+    def _simulate(self, seeds: Sequence[int]) -> Simulation:
+        return Simulation(self._scenario, seed=_STUDY, replicas=list(seeds), threads=self._threads)
+
+    def _make_spaces(self) -> None:
+        low, high = (bound.astype(self._dtype) for bound in self.task.action_bounds)
+        self.single_action_space = gym.spaces.Box(low, high, dtype=self._dtype.type)
+        self._action = np.zeros((self.num_envs, len(low)))
+        self._low, self._high = self.task.action_bounds
+        low, high = (bound.astype(self._dtype) for bound in self.task.bounds(self._robot))
+        space: gym.Space[Any] = gym.spaces.Box(low, high, dtype=self._dtype.type)
+        if self._is_privileged:
+            size = self.task.privileged(self._truth(slice(None)), self._episode).shape[1]
+            wide = gym.spaces.Box(-_LARGE, _LARGE, (size,), dtype=self._dtype.type)
+            space = gym.spaces.Dict({"observation": space, "privileged": wide})
+        self.single_observation_space = space
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+        self.observation_space = batch_space(space, self.num_envs)
+
+    # -------------------------------------------------------------------------------------------------------- episodes
+
+    def reset(
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Any, dict[str, Any]]:
+        """Begin episodes: in all environments, or in those of ``options["reset_mask"]``.
+
+        Parameters
+        ----------
+        seed
+            A whole number, the first environment's; the others have the following ones. Or a list with one for each. A
+            seed begins the first episode of its environment, None the next episode.
+
+        Raises
+        ------
+        ValueError
+            If the seeds are not so many different whole numbers, from 0 to 2^32 - 2; or with a mask.
+        """
+        mask = self._mask(options)
+        if seed is not None:
+            if not mask.all():
+                raise ValueError("seed: with a reset_mask no seed can be given: a seed is that of an environment")
+            self._begin_first(self._seeds(seed))
+        elif self._is_begun:
+            self._begin_again(mask)
+        elif not mask.all():
+            raise ValueError("reset_mask: expected all environments at the first reset")
+        else:
+            first = int(self.np_random.integers(MAX_REPLICA + 1 - self.num_envs))
+            self._begin_first(range(first, first + self.num_envs))
+        self._count[mask] = 0
+        self._is_over[mask] = False
+        self._action[mask] = 0.0
+        return self._observations(), self._infos(mask)
+
+    def _seeds(self, seed: int | Sequence[int | None]) -> list[int]:
+        if isinstance(seed, (int, np.integer)):
+            given: list[Any] = list(range(int(seed), int(seed) + self.num_envs))
+        else:
+            given = list(seed)
+        are_fine = all(isinstance(one, (int, np.integer)) and 0 <= one <= MAX_REPLICA for one in given)
+        if not are_fine or len(set(given)) != self.num_envs:
+            raise ValueError(
+                f"seed: expected one for each of {self.num_envs} environments, different whole numbers from 0 to "
+                f"{MAX_REPLICA}, or the first of so many; got {seed!r}"
+            )
+        return [int(one) for one in given]
+
+    def _mask(self, options: dict[str, Any] | None) -> Bools:
+        mask = (options or {}).get("reset_mask")
+        if mask is None:
+            return np.ones(self.num_envs, dtype=bool)
+        if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
+            raise TypeError(f"reset_mask: expected a numpy array of bool, got {type(mask).__name__}")
+        if mask.shape != (self.num_envs,) or not mask.any():
+            raise ValueError(f"reset_mask: expected shape ({self.num_envs},) and at least one True, got {mask!r}")
+        return mask.copy()
+
+    def _begin_again(self, which: Bools) -> None:
+        """Begin the next episode in some environments."""
+        rows = np.flatnonzero(which)
+        numbers = self.simulation.replicas
+        self.simulation.reset(replicas=[numbers[row] for row in rows.tolist()])
+        for name, array in self.task.begin(self._truth(rows), self._draws(rows)).items():
+            self._episode[name][rows] = array
+        self._action[rows] = 0.0
+
+    def _begin_first(self, seeds: Sequence[int]) -> None:
+        """Begin the first episodes of these seeds in all environments."""
+        self.simulation = self._simulate(seeds)
+        rows = np.arange(self.num_envs)
+        self._episode: Episode = self.task.begin(self._truth(rows), self._draws(rows))
+        self._is_begun = True
+
+    def _draws(self, rows: npt.NDArray[np.intp]) -> Draws:
+        """The random numbers of a task: of the environment's seed and its episode alone."""
+        counter = np.zeros((len(rows), 3), dtype=np.uint32)
+        counter[:, 0] = np.array(self.simulation.replicas, dtype=np.uint32)[rows]
+        counter[:, 1] = self.simulation.episodes[rows]
+        return Draws(np.full(len(rows), stream_key(_STUDY, "task"), dtype=np.uint64), counter)
+
+    # ------------------------------------------------------------------------------------------------------------ step
+
+    def step(self, actions: Any) -> tuple[Any, Array, Bools, Bools, dict[str, Any]]:
+        """Take actions `(num_envs, a)` and simulate to the next ones.
+
+        Raises
+        ------
+        ValueError
+            If the actions have another shape or are not finite; if episodes are over and nobody began new ones.
+        """
+        if not self._is_begun:
+            raise ValueError("expected reset() before the first step")
+        again = self._is_over.copy()
+        if self._mode is AutoresetMode.DISABLED and again.any():
+            raise ValueError(
+                f"{int(again.sum())} episodes are over: begin others with reset(options={{'reset_mask': ...}}) first"
+            )
+        self._take(actions)
+        for _ in range(self._steps_per_action):
+            self.simulation.step()
+        outcome = self.task.judge(self._truth(slice(None)), self._episode)
+        self._count += 1
+        truncated = self._count >= self._horizon
+        reward, terminated = outcome.reward.copy(), outcome.is_terminated.copy()
+        truncated &= ~terminated
+        if again.any():  # the mode is NEXT_STEP: in these the action was for nothing
+            self._begin_again(again)
+            reward[again] = 0.0
+            terminated[again] = truncated[again] = False
+            self._count[again] = 0
+        self._is_over = terminated | truncated
+        infos = self._infos(again | self._is_over, outcome)
+        if self._mode is AutoresetMode.SAME_STEP and self._is_over.any():
+            infos |= self._finals(infos)
+            over = self._is_over
+            self._begin_again(over)
+            self._count[over] = 0
+            self._is_over = np.zeros(self.num_envs, dtype=bool)
+            infos |= self._infos(over)
+        return self._observations(), reward, terminated, truncated, infos
+
+    def _take(self, actions: Any) -> None:
+        taken = np.asarray(actions, dtype=float)
+        if taken.shape != self._action.shape or not np.isfinite(taken).all():
+            raise ValueError(f"actions: expected finite numbers {self._action.shape}, got shape {taken.shape}")
+        self._action = np.clip(taken, self._low, self._high)
+        forward, turn, left = self.task.velocities(self._action)
+        self.simulation.drive(self._robot_name, forward=forward, turn=turn, left=left)
+
+    # ------------------------------------------------------------------------------------------------- what is seen
+
+    @property
+    def _robot(self) -> RobotModel:
+        return self.simulation.known(self._robot_name).robot
+
+    def _truth(self, rows: Any) -> Truth:
+        simulation = self.simulation
+        numbers = np.arange(self.num_envs)[rows]
+        return Truth(
+            simulation.true_pose[rows],
+            simulation.true_twist[rows],
+            simulation.touching[rows],
+            lambda row: simulation.map_of(simulation.replicas[numbers[row]]),
+        )
+
+    def _observations(self) -> Any:
+        """Arrays of their own: the next step does not change them."""
+        known = Known(*self.simulation.known(self._robot_name), self._action)
+        seen = self.task.observe(known, self._episode).astype(self._dtype)
+        if not self._is_privileged:
+            return seen
+        truth = self._truth(slice(None))
+        return {"observation": seen, "privileged": self.task.privileged(truth, self._episode).astype(self._dtype)}
+
+    def _infos(self, which: Bools, outcome: Outcome | None = None) -> dict[str, Any]:
+        """Infos as Gymnasium has them: arrays, and masks of the environments that they are about."""
+        infos: dict[str, Any] = {"episode_number": self.simulation.episodes.copy(), "_episode_number": which.copy()}
+        if outcome is not None and self._is_over.any():
+            infos |= {"is_success": outcome.is_success & self._is_over, "_is_success": self._is_over.copy()}
+        return infos
+
+    def _finals(self, infos: dict[str, Any]) -> dict[str, Any]:
+        """The last observations and infos of episodes that end in this step and begin again in it."""
+        over, seen = self._is_over, self._observations()
+        final = np.full(self.num_envs, None, dtype=object)
+        for row in np.flatnonzero(over).tolist():
+            final[row] = {key: part[row] for key, part in seen.items()} if isinstance(seen, dict) else seen[row]
+        kept = {key: value for key, value in infos.items() if not key.startswith("_")}
+        about = {f"_{key}": over.copy() for key in kept}
+        return {
+            "final_obs": final,
+            "_final_obs": over.copy(),
+            "final_info": {**kept, **about},
+            "_final_info": over.copy(),
+        }
+
+
+def _whole(time: float, step: float, name: str) -> int:
+    count = round(time / step)
+    if count < 1 or abs(count * step - time) > 1e-9 * time:
+        raise AmorsimError(f"{name}: expected a whole number of steps of {step:g} s, got {time:g} s")
+    return count

@@ -1,0 +1,68 @@
+"""Driving a robot from outside, in all replicas at once."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.controllers.driving import command_along, joints_of
+from amorsim.controllers.manual import limited
+from amorsim.core.error_text import in_words
+from amorsim.core.errors import AmorsimError
+from amorsim.core.parameters import LARGEST
+from amorsim.core.unknown_names import no_such
+from amorsim.simulation.fleet import Fleet
+
+__all__ = ["drive_all"]
+
+Array = npt.NDArray[np.float64]
+
+
+def drive_all(fleet: Fleet, name: str, forward: Any, left: Any, turn: Any) -> None:
+    """Set the velocity of the robot `name` in every replica, as `RobotHandle.drive` does in one.
+
+    Raises
+    ------
+    AmorsimError
+        If there is no such robot, it is not driven from outside, or these are not finite numbers for each replica.
+    """
+    if name not in fleet.names:
+        raise AmorsimError(no_such("robot", name, fleet.names))
+    twists = _twists(name, len(fleet.replicas), forward, left, turn)
+    for group in fleet.groups:
+        rows = group.rows_of(name)
+        if not len(rows):
+            continue
+        driver = group.driver
+        by_hand, state = driver.by_hand[rows, 0], driver.state.get("command")
+        if state is None and not by_hand.all():
+            raise AmorsimError(
+                f"robot {name!r}: only the 'manual' controller takes commands from outside, and this is "
+                f"{type(driver.controller).__name__}; take the robot over with hand_over({name!r}) first"
+            )
+        wanted = np.zeros((group.rows, 3))
+        wanted[rows] = twists[fleet.world.replica_index[group.bodies[rows]]]
+        joints = joints_of(group.robot, group.readings)
+        along = command_along(group.robot, limited(driver.controller, wanted), joints)[rows]
+        driver.hand[rows[by_hand], : along.shape[1]] = along[by_hand]
+        if state is not None:
+            state[rows[~by_hand], : along.shape[1]] = along[~by_hand]
+
+
+def _twists(name: str, replicas: int, *parts: Any) -> Array:
+    """Forward, left and turn of each replica `(R, 3)`."""
+    twists = np.empty((replicas, 3))
+    try:
+        for column, part in enumerate(parts):
+            twists[:, column] = part
+        is_fine = bool((np.abs(twists) <= LARGEST).all())
+    except (TypeError, ValueError):
+        is_fine = False
+    if not is_fine:
+        raise AmorsimError(
+            f"robot {name!r}: expected for forward, left and turn a finite number, or one for each of {replicas} "
+            f"replicas, at most {LARGEST:g}; got {in_words(parts)}"
+        )
+    return twists
