@@ -5,6 +5,13 @@ Importing this package registers the tasks with Gymnasium: ``gymnasium.make_vec(
 
 from __future__ import annotations
 
+import importlib.util
+
+from amorsim.core.errors import AmorsimError
+
+if importlib.util.find_spec("gymnasium") is None:
+    raise AmorsimError('environments for learners need the extra "learn": python -m pip install "amorsim[learn]"')
+
 from amorsim.learning.contracts import Known, Outcome, Task, Truth
 from amorsim.learning.registration import TASKS, make, make_vec, register_all
 from amorsim.learning.single import SimulationEnv

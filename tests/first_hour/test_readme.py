@@ -73,12 +73,13 @@ def test_the_demo_has_the_errors_that_the_picture_is_explained_with() -> None:
         assert f"{100.0 * (deviation.scale - 1.0):.2g} %" in text
 
 
-def test_every_command_is_in_the_table() -> None:
-    names = list(typer.main.get_command(app).commands)  # type: ignore[attr-defined]
-    text = README.read_text(encoding="utf-8")
-    assert names
-    for name in names:
-        assert f"| `amorsim {name}" in text, f"the README has no line for amorsim {name}"
+def test_each_command_in_the_table_is_one_and_the_reference_has_all() -> None:
+    names = set(typer.main.get_command(app).commands)  # type: ignore[attr-defined]
+    named = re.findall(r"^\| `amorsim (\S+?)[ `]", README.read_text(encoding="utf-8"), re.MULTILINE)
+    assert len(named) >= 10
+    assert set(named) <= names
+    reference = (ROOT / "docs" / "reference" / "command-line.md").read_text(encoding="utf-8")
+    assert names <= {name for heading in re.findall(r"^## (.+)$", reference, re.MULTILINE) for name in heading.split()}
 
 
 @pytest.mark.parametrize(

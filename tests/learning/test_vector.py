@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import warnings
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from gymnasium.utils.env_checker import check_env  # noqa: E402
 from gymnasium.vector import AutoresetMode  # noqa: E402
 
 import amorsim as am  # noqa: E402
+import amorsim.learning  # noqa: E402
 from amorsim.learning import PointGoal, SimulationVectorEnv, Truth, make, make_vec  # noqa: E402
 from amorsim.testing import check_vector_env  # noqa: E402
 from tests import building  # noqa: E402
@@ -226,6 +228,12 @@ def test_each_generated_world_has_goals_of_its_own(tmp_path: Path) -> None:
 def test_wrong_calls_are_refused_in_words(does: Any, error: type[Exception], words: str) -> None:
     with pytest.raises(error, match=words):
         does(envs(3))
+
+
+def test_without_gymnasium_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(importlib.util, "find_spec", lambda *_: None)
+    with pytest.raises(am.AmorsimError, match=r'extra "learn": python -m pip install'):
+        importlib.reload(amorsim.learning)
 
 
 def test_wrong_tasks_are_refused_in_words() -> None:
