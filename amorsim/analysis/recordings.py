@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.analysis.carmen import SUFFIXES, entries_of_carmen
 from amorsim.analysis.message_shapes import check_message
 from amorsim.analysis.message_values import command_of, holds_pose, pose_of, reading_of
 from amorsim.analysis.run_log import LogEntry, entries_of_run
@@ -84,17 +85,21 @@ def read_log(
     topics: Mapping[str, str] | None = None,
     command: str | None = None,
     replica: int | None = None,
+    damaged: Callable[[str], None] | None = None,
 ) -> Iterator[LogEntry]:
-    """The readings that a robot received, from a run's folder, a rosbag or an MCAP file, for an `EstimatorRunner`.
+    """The readings that a robot received: from a run's folder, a rosbag, an MCAP file or a log of CARMEN.
 
-    ``runner.update(*entry)`` takes an entry. There is one for each time at which a reading or a command arrived.
+    They are for an `EstimatorRunner`: ``runner.update(*entry)`` takes an entry. There is one for each time at which a
+    reading or a command arrived.
 
     Parameters
     ----------
     path
-        The folder of a run; a rosbag; or a file whose name ends in ``.mcap``, of ROS 2 or as `export_run` writes it.
+        The folder of a run; a rosbag; a file whose name ends in ``.mcap``, of ROS 2 or as `export_run` writes it; or a
+        log of CARMEN, whose name ends in ``.log``, ``.clf`` or ``.gfs``, and perhaps ``.gz`` after that.
     robot
-        Whose sensors and drive give the readings' meaning.
+        Whose sensors and drive give the readings' meaning. Of a log of CARMEN, odometry becomes counts of its encoder,
+        and scans are those of its laser.
     topics
         By sensor, the topic of its readings, as ``{"laser": "/scan"}``. Without it, each sensor's is
         ``/ROBOT/SENSOR``, as in exported runs; sensors without a topic are left out, and if none has one, that is an
@@ -104,6 +109,9 @@ def read_log(
         the command that the nominal drive needs for it.
     replica
         Of a run's folder; a run of one replica needs none. The folder has no topics.
+    damaged
+        Of a log of CARMEN: called with a message for each damaged line, which is left out. Without it, the first one is
+        an error.
 
     Raises
     ------
@@ -119,6 +127,10 @@ def read_log(
         if topics is not None or command is not None:
             raise AnalysisError(f"{path}: the folder of a run has no topics; leave out topics and command")
         return entries_of_run(path, robot, replica)
+    if _is_carmen(path):
+        if topics is not None or command is not None or replica is not None:
+            raise AnalysisError(f"{path}: a log of CARMEN has no topics and no replicas; leave them out")
+        return entries_of_carmen(path, robot, damaged)
     if replica is not None:
         raise AnalysisError(f"{path}: is not the folder of a run, and a recording has no replicas; leave out replica")
     for name in topics or {}:
@@ -142,6 +154,11 @@ def read_log(
         return found
 
     return _entries(path, _opened(path)(path, wanted), robot, own, orders)
+
+
+def _is_carmen(path: Path) -> bool:
+    ends = path.suffixes[:-1] if path.suffix == ".gz" else path.suffixes
+    return bool(ends) and ends[-1] in SUFFIXES
 
 
 def _entries(
