@@ -43,7 +43,7 @@ def register_all() -> None:
             entry_point="amorsim.learning.registration:make",
             vector_entry_point="amorsim.learning.registration:make_vec",
             kwargs={"what": name},
-            disable_env_checker=True,  # it would reset each environment three times more
+            disable_env_checker=True,  # the tests run it; it would reset every environment that is made
             order_enforce=False,
         )
 
