@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.core.arguments import check_kind, whole
+
 if TYPE_CHECKING:
     from gymnasium.vector import VectorEnv
 
@@ -38,7 +40,13 @@ def check_vector_env(env: VectorEnv[Any, Any, Any], *, steps: int = STEPS) -> No
     ------
     AssertionError
         With a line for each rule that is broken.
+    ParameterError
+        For something else than a vector environment.
     """
+    from gymnasium.vector import VectorEnv
+
+    check_kind(env, VectorEnv, "env", "a VectorEnv, as gymnasium.make_vec('amorsim/PointGoal-v0', 8)")
+    steps = whole(steps, "steps", "a number of steps >= 1", 1)
     problems = list(dict.fromkeys(_problems(env, steps)))
     if problems:
         raise AssertionError(f"{type(env).__name__}:\n" + "\n".join(f"- {problem}" for problem in problems))

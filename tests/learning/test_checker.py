@@ -11,6 +11,7 @@ gym = pytest.importorskip("gymnasium", reason="the extra 'learn' is not installe
 import numpy as np  # noqa: E402
 from gymnasium.vector import AutoresetMode, SyncVectorEnv  # noqa: E402
 
+from amorsim.core.parameters import ParameterError  # noqa: E402
 from amorsim.testing import check_vector_env  # noqa: E402
 
 
@@ -24,6 +25,12 @@ class Cart(SyncVectorEnv):
 @pytest.mark.parametrize("mode", list(AutoresetMode))
 def test_gymnasiums_own_keep_the_rules(mode: AutoresetMode) -> None:
     check_vector_env(Cart(mode), steps=60)
+
+
+@pytest.mark.parametrize(("env", "steps", "name"), [(1.0, 200, "env"), (None, 0, "steps"), (None, 1e-320, "steps")])
+def test_something_else_is_refused_with_what_is_expected(env: Any, steps: Any, name: str) -> None:
+    with pytest.raises(ParameterError, match=f"^{name}: expected a"):
+        check_vector_env(Cart() if env is None else env, steps=steps)
 
 
 class Shared(Cart):
