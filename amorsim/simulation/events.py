@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import attrs
 
 __all__ = ["Event"]
@@ -57,6 +59,8 @@ class Event:
         if isinstance(self.value, list):  # a chain of noise, as tables
             names = ", ".join(str(one.get("name", one.get("use"))) for one in self.value) or "none"
             return f"{head}: {self.path} = {names}"
+        if isinstance(self.value, Mapping):  # an error
+            return f"{head}: {self.path}: " + ", ".join(f"{key} = {one}" for key, one in self.value.items())
         return f"{head}: {self.path} = {self.value}"
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from tests.ui.windows import SIMULATOR, Server, Window, eventually, expect, write_scenario
+from tests.ui.windows import SIMULATOR, Server, Window, axe_violations, eventually, expect, new_user, write_scenario
 
 LEFT_WHEEL = "errors.drive.wheel_radius_left.scale"
 
@@ -493,24 +493,19 @@ def test_no_text_becomes_a_script_or_a_style(window: Window) -> None:
 
 @pytest.mark.long
 @pytest.mark.parametrize("theme", ["light", "dark"])
-def test_axe_finds_nothing_serious(window: Window, theme: str) -> None:
-    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe is not installed").Axe()
+def test_axe_finds_nothing(window: Window, theme: str) -> None:
     page = window.page
     if page.evaluate("document.documentElement.dataset.theme") != theme:
         page.keyboard.press("l")
-
-    def serious() -> list[str]:
-        found = axe.run(page).response["violations"]
-        return [f"{one['id']}: {one['nodes'][0]['html']}" for one in found if one["impact"] in ("serious", "critical")]
 
     page.evaluate("document.querySelectorAll('details').forEach(one => one.open = true)")
     window.do(do="step", steps=4)
     window.do(do="scrub", tick=2)
     page.wait_for_selector("#continue:visible")
-    assert serious() == []
+    assert axe_violations(page) == []
     page.keyboard.press("?")
     page.wait_for_selector("dialog")
-    assert serious() == []
+    assert axe_violations(page) == []
 
 
 @pytest.mark.long
@@ -658,3 +653,55 @@ def test_where_a_controller_cannot_be_copied_the_window_says_why_one_cannot_go_o
         assert poses[0] > 2.0  # where it was then is known all the same
     finally:
         server.close()
+
+
+# ------------------------------------------------------------------------------------------------------------ what-if
+
+
+@pytest.mark.long
+def test_the_past_shows_the_values_of_its_moment_and_takes_no_others(window: Window) -> None:
+    page = window.page
+    window.do(do="step", steps=5)
+    window.do(do="set", robot="rover", path=LEFT_WHEEL, value=1.005)
+    window.do(do="step", steps=5)
+    field = window.field(LEFT_WHEEL).locator("input[type=text]")
+    expect(field).to_have_value("1.005")
+    window.do(do="scrub", tick=2)
+    expect(page.locator(".form-note")).to_have_text("The values at 0.2 s. To change them, continue here.")
+    expect(field).to_have_value("1")
+    assert page.evaluate("document.querySelector('.form').inert")
+    window.do(do="scrub", tick=None)
+    expect(page.locator(".form-note")).to_be_hidden()
+    expect(field).to_have_value("1.005")
+    field.fill("abc")
+    field.press("Enter")
+    expect(window.field(LEFT_WHEEL).locator(".error")).to_have_text("Expected a number.")
+    expect(window.field(LEFT_WHEEL).locator(".help")).to_be_hidden()  # it would lie over the error
+    window.do(do="scrub", tick=7)
+    expect(field).to_have_value("1.005")
+    expect(window.field(LEFT_WHEEL).locator(".error")).to_be_empty()
+
+
+@pytest.mark.long
+def test_the_overlay_keeps_the_switches_of_sensors(window: Window) -> None:
+    switch = window.page.get_by_role("button", name="sonar", exact=True)
+    expect(switch).to_be_visible()
+    window.page.keyboard.press("o")
+    expect(switch).to_be_visible()
+    switch.click()
+    assert window.see("stage.hidden.has('sonar')")
+    window.page.keyboard.press("o")
+    expect(window.page.locator(".panel.control").get_by_role("button", name="sonar", exact=True)).to_be_visible()
+    switch.click()
+
+
+@pytest.mark.long
+def test_a_server_that_is_gone_is_told_with_what_to_do(browser: Any, tmp_path: Path) -> None:
+    server = Server(write_scenario(tmp_path))
+    page = new_user(browser).new_page()
+    window = Window(page).open(server.address)
+    server.close()
+    expect(page.locator(".banner")).to_contain_text("trying again")
+    expect(page.locator(".banner")).to_contain_text("give its command again in the terminal")
+    assert window.problems == []
+    page.context.close()

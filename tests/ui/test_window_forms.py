@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from tests.ui.windows import Server, Window, expect, write_scenario
+from tests.ui.windows import Server, Window, axe_violations, expect, write_scenario
 
 pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
 
@@ -305,7 +305,6 @@ def test_an_element_of_a_ring_gets_an_error(window: Window) -> None:
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_axe_finds_nothing_in_the_forms(window: Window, theme: str) -> None:
-    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe is not installed").Axe()
     page = window.page
     if page.evaluate("document.documentElement.dataset.theme") != theme:
         page.keyboard.press("l")
@@ -313,5 +312,4 @@ def test_axe_finds_nothing_in_the_forms(window: Window, theme: str) -> None:
     window.field(TRACK).get_by_label("fixed or drawn at random").click()
     page.get_by_label("laser: add noise").click()
     page.wait_for_selector(".draft")
-    found = axe.run(page).response["violations"]
-    assert [f"{one['id']}: {one['nodes'][0]['html']}" for one in found] == []
+    assert axe_violations(page) == []

@@ -13,7 +13,7 @@ import pytest
 
 from amorsim.analysis.files import RunFiles
 from tests.ui.recorded_runs import folder as folder  # a fixture
-from tests.ui.windows import Server, Window, expect
+from tests.ui.windows import Server, Window, axe_violations, expect
 
 pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
 
@@ -126,13 +126,11 @@ def test_particles_are_shown(page: Window) -> None:
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_axe_finds_nothing_and_all_is_in_sight(page: Window, theme: str) -> None:
-    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe is not installed").Axe()
     if page.page.evaluate("document.documentElement.dataset.theme") != theme:
         page.page.keyboard.press("l")
     page.do(do="scrub", tick=30)
     page.until("newest.tick === 30")
-    found = axe.run(page.page).response["violations"]
-    assert [f"{one['id']}: {one['nodes'][0]['html']}" for one in found] == []
+    assert axe_violations(page.page) == []
     outside = page.page.evaluate(
         """() => [...document.querySelectorAll(".bar *, .head *, .about > *, .panel")].filter(one => {
             const box = one.getBoundingClientRect();

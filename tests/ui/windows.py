@@ -11,6 +11,8 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 CHROMIUM = Path("/usr/bin/chromium")
 FLAGS = [
     "--no-sandbox",
@@ -223,6 +225,13 @@ class Window:
             [pane, colour],
         )
         return found[0], found[1], found[2]
+
+
+def axe_violations(page: Any) -> list[str]:
+    """What axe finds wrong with a page, targets that are too small for a finger included; skips where it is missing."""
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe is not installed").Axe()
+    found = axe.run(page, options={"rules": {"target-size": {"enabled": True}}}).response["violations"]
+    return [f"{one['id']}: {node['html'][:200]}" for one in found for node in one["nodes"]]
 
 
 def new_user(browser: Any) -> Any:

@@ -303,6 +303,8 @@ class Work:
         path = path.absolute()
         if is_there(path) and not overwrite:
             raise AmorsimError(f"{path.name} is there already; name another file")
+        if self.is_new and self.world.is_unsaved and path.stem != self.name:
+            self.edit(f"name the walls {path.stem}.wld", lambda work: work.world.rename(path.stem))
         before, here = self.text, self.here
         is_copied = self._is_bundled or path.parent != here
         if is_copied:

@@ -243,13 +243,13 @@ def test_a_generated_world_becomes_a_file_in_one_step_and_is_written_by_a_save(t
         await do(session, do="edit", label="wall", changes=[{"op": "walls", "add": [[1, 1, 2, 1]]}])
         assert list(tmp_path.iterdir()) == []
         await do(session, do="save_as", name="mine")
-        assert len(am.load_map(tmp_path / "untitled.wld").segments) > 10
-        for _ in range(2):
+        assert len(am.load_map(tmp_path / "mine.wld").segments) > 10
+        for _ in range(3):  # the name that its walls were saved under, the wall, the file
             await do(session, do="undo")
         assert session.work.document.get("world.map") == world["map"]
         refused = await session.request({"do": "make_lines", "is_trial": True})
         assert refused["ok"]
-        for _ in range(2):
+        for _ in range(3):
             await do(session, do="redo")
         refused = await session.request({"do": "make_lines", "is_trial": True})
         assert "as it is" in refused["error"]

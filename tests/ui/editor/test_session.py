@@ -97,7 +97,7 @@ def test_an_empty_page_becomes_a_scenario_that_runs(tmp_path: Path) -> None:
         await do(session, do="save_as", name="mine")
 
     talk("", tmp_path, say)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["mine.toml", "untitled.wld"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["mine.toml", "mine.wld"]
     simulation = am.Simulation(am.load(tmp_path / "mine.toml"))
     simulation.step()
     (robot,) = simulation.scenario.robots

@@ -109,12 +109,27 @@ class WorldMap:
         self._work.files[path].text = text
         take_map(self._work.document, path, options)
 
-    def free_file(self) -> Path:
-        """A line world next to the scenario that is not there yet."""
-        work = self._work
-        number, path = 1, work.here / f"{work.name}.wld"
+    @property
+    def is_unsaved(self) -> bool:
+        """Whether it is a line world that was drawn here and is in no file yet."""
+        path, files = self.file, self._work.files
+        return path is not None and path.suffix == ".wld" and path in files and files[path].saved is None
+
+    def rename(self, stem: str) -> None:
+        """Give walls that are in no file yet another name."""
+        old = self.file
+        assert old is not None
+        text, new = self._work.files[old].text, self.free_file(stem)
+        self._work.files.begin(new, "")
+        self._work.files[new].text = text
+        self._work.document.set("world.map", new.name)
+
+    def free_file(self, stem: str = "") -> Path:
+        """A line world next to the scenario that is not there yet, named after it or otherwise."""
+        work, stem = self._work, stem or self._work.name
+        number, path = 1, work.here / f"{stem}.wld"
         while path.exists() or path in work.files:
-            number, path = number + 1, work.here / f"{work.name}-{number}.wld"
+            number, path = number + 1, work.here / f"{stem}-{number}.wld"
         return path
 
     # ---------------------------------------------------------------------------------------------------------- cells

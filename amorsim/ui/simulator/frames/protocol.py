@@ -107,6 +107,7 @@ class EventLine(TypedDict):
     text: str
     point: list[float] | None
     stack: NotRequired[str]  # of a fault in a user's controller
+    is_told: NotRequired[bool]  # the same contact as the line before, of the other body
 
 
 class MappedCells(TypedDict):

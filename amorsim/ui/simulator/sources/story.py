@@ -64,8 +64,19 @@ class Story:
             line_of(event.tick, event.time, event.kind, str(event).partition(": ")[2], event.name, event.point)
             for event in events
         ]
+        for n in range(1, len(lines)):
+            if _is_mirrored(events[n - 1], events[n]):
+                lines[n - 1]["text"] += f", {events[n].name} {events[n].speed:.3f} m/s"
+                lines[n]["is_told"] = True
         for before, remark in reversed(self._lines):
             lines.insert(before, remark)
         for number, line in enumerate(lines, 1):
             line["number"] = number
         return lines
+
+
+def _is_mirrored(one: Event, next_one: Event) -> bool:
+    """Whether two events in a row are a contact of two bodies, each with the other."""
+    here = (one.tick, one.point, one.name, one.part, one.other)
+    there = (next_one.tick, next_one.point, next_one.other, next_one.other_part, next_one.name)
+    return one.kind == next_one.kind == "collision" and here == there

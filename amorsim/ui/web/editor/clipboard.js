@@ -1,6 +1,7 @@
 // Copies of things and walls, and the changes of the document that paste them.
 
 import { round } from "./geometry.js";
+import { reach } from "../shared/marks.js";
 import { startsOf } from "./ghosts.js";
 import { freeName } from "./things.js";
 
@@ -92,7 +93,34 @@ const aside = (page) => {
   return [step, -step];
 };
 
-/** By how much copies are shifted [m] so that they are seen: just aside, or else into the middle of what is seen.
+const TRIES = 12; // distances that are tried in each direction
+
+/** By how much copies are shifted [m] so that they touch nothing; just aside, where no such place is near.
+ * @param {import("./editor.js").EditorPage} page
+ * @param {NonNullable<Awaited<ReturnType<typeof copyOf>>>} clip
+ * @param {number[][]} points of what is copied */
+function free(page, clip, points) {
+  const { stage } = page;
+  const step = page.grid || 0.1;
+  const bodies = clip.things.flatMap(({ thing }) => (thing?.pose && thing.footprint ? [{ at: thing.pose, far: reach(thing.footprint) }] : []));
+  const others = stage.things.flatMap((thing) => (thing.pose && thing.footprint ? [{ at: thing.pose, far: reach(thing.footprint) }] : []));
+  const isFree = ([dx, dy]) => bodies.every(({ at: [x, y], far }) => {
+    const [u, v] = [x + dx, y + dy];
+    const [x0, y0, x1, y1] = stage.still?.extent ?? [-Infinity, -Infinity, Infinity, Infinity];
+    return u > x0 && u < x1 && v > y0 && v < y1 && stage.walls.clearance(u, v) > far && others.every(({ at, far: other }) => Math.hypot(at[0] - u, at[1] - v) > far + other);
+  });
+  if (!bodies.length) return aside(page);
+  const [wide, high] = [0, 1].map((k) => Math.max(...points.map((point) => point[k])) - Math.min(...points.map((point) => point[k])));
+  const widest = 2 * Math.max(...bodies.map(({ far }) => far));
+  for (let n = 0; n < TRIES; n++) {
+    const [right, up] = [wide, high].map((size) => round(Math.ceil((size + widest) / step + 2 * n + 1) * step));
+    const found = [[right, 0], [0, -up], [-right, 0], [0, up]].find(isFree);
+    if (found) return found;
+  }
+  return aside(page);
+}
+
+/** By how much copies are shifted [m] so that they are seen: beside what was copied, or else into the middle of what is seen.
  * @param {import("./editor.js").EditorPage} page
  * @param {NonNullable<Awaited<ReturnType<typeof copyOf>>>} clip */
 function placeFor(page, clip) {
@@ -100,7 +128,7 @@ function placeFor(page, clip) {
     ...clip.walls.flatMap(([a, b, c, d]) => [[a, b], [c, d]]),
     ...clip.things.flatMap(({ thing }) => (thing?.pose ? [thing.pose] : thing ? startsOf(thing).flatMap(({ points: own }) => own) : [])),
   ];
-  const [dx, dy] = aside(page);
+  const [dx, dy] = points.length ? free(page, clip, points) : aside(page);
   const [x, y] = [0, 1].map((k) => (Math.min(...points.map((point) => point[k])) + Math.max(...points.map((point) => point[k]))) / 2);
   const { camera } = page.stage;
   const [x0, y0, x1, y1] = camera.bounds();
@@ -109,14 +137,14 @@ function placeFor(page, clip) {
   return [camera.x - x, camera.y - y].map((by) => round(Math.round(by / grid) * grid));
 }
 
-/** Put copies as one step, and select them; shifted by so much [m], or just aside.
+/** Put copies as one step, and select them; shifted by so much [m], or to where they are seen.
  * @param {import("./editor.js").EditorPage} page
  * @param {string} label
  * @param {NonNullable<Awaited<ReturnType<typeof copyOf>>>} clip
  * @param {number[]} [shift] */
 export async function put(page, label, clip, shift) {
   const first = page.stage.walls.walls.length;
-  const said = await page.edit(label, pasted([...page.stage.things], clip, shift ?? aside(page)));
+  const said = await page.edit(label, pasted([...page.stage.things], clip, shift ?? placeFor(page, clip)));
   if (said.ok) page.choose(said.added, { first, count: clip.walls.length });
 }
 
@@ -124,6 +152,6 @@ export async function put(page, label, clip, shift) {
  * @param {import("./editor.js").EditorPage} page */
 export async function paste(page) {
   const clip = lastCopy() ?? page.clip;
-  if (clip) await put(page, "paste", clip, placeFor(page, clip));
+  if (clip) await put(page, "paste", clip);
   else page.hint("nothing was copied yet");
 }

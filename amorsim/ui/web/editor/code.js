@@ -42,6 +42,7 @@ export async function dress(area, mode) {
   });
   const field = editor.getInputField();
   field.setAttribute("aria-label", label);
+  field.setAttribute("role", "textbox");
   field.setAttribute("aria-multiline", "true");
   editor.on("change", () => (area.value = editor.getValue()));
   let marks = [];

@@ -48,10 +48,10 @@ export class DrawTool extends Tool {
   /** A point is given, by a click, by Enter, or typed. */
   point(_mark) {}
 
-  key(event, middle) {
+  key(event, place) {
     if (event.key === "Enter") {
-      this.point(this.snapped(middle, FREE));
-      this.move(middle, FREE);
+      this.point(this.snapped(place, FREE));
+      this.move(place, FREE);
       return true;
     }
     if (event.key === "Escape" && this.points.length) {
@@ -61,14 +61,14 @@ export class DrawTool extends Tool {
     return false;
   }
 
-  /** The end of a line of a typed length [m] and angle [degrees], in the direction of the pointer where none is typed. */
-  typed(length, degrees) {
+  /** The end of a line of a typed length [m] and angle [degrees], in the direction of the pointer where none is typed; null
+   * without a length. */
+  typedMark(length, degrees) {
     const from = this.points.at(-1);
-    if (!from || !(length > 0)) return false;
+    if (!from || !(length > 0)) return null;
     const towards = this.last ?? { x: from[0] + 1, y: from[1] };
     const angle = Number.isFinite(degrees) ? (degrees * Math.PI) / 180 : Math.atan2(towards.y - from[1], towards.x - from[0]);
-    this.point({ x: round(from[0] + length * Math.cos(angle)), y: round(from[1] + length * Math.sin(angle)), kind: "" });
-    return true;
+    return { x: round(from[0] + length * Math.cos(angle)), y: round(from[1] + length * Math.sin(angle)), kind: "" };
   }
 
   cancel() {
@@ -125,13 +125,12 @@ export class RectangleTool extends DrawTool {
   }
 
   /** The corner at typed distances [m] from the first, on the side of the pointer; one alone is both. */
-  typed(across, up) {
+  typedMark(across, up) {
     const from = this.points[0];
     const [wide, high] = [across, Number.isFinite(up) ? up : across];
-    if (!from || !(wide > 0) || !(high > 0)) return false;
+    if (!from || !(wide > 0) || !(high > 0)) return null;
     const [right, above] = [(this.last?.x ?? from[0]) < from[0] ? -1 : 1, (this.last?.y ?? from[1]) < from[1] ? -1 : 1];
-    this.point({ x: round(from[0] + right * wide), y: round(from[1] + above * high), kind: "" });
-    return true;
+    return { x: round(from[0] + right * wide), y: round(from[1] + above * high), kind: "" };
   }
 
   /** @param {number[]} from
@@ -280,14 +279,14 @@ export class PlaceTool extends DrawTool {
     this.done([x, y, heading]);
   }
 
-  key(event, middle) {
+  key(event, place) {
     if (event.key === "Escape") {
       this.cancel();
       this.page.take("select");
       return true;
     }
     if (event.key !== "Enter") return false;
-    const mark = this.snapped(middle, FREE);
+    const mark = this.snapped(place, FREE);
     this.point(mark);
     this.finish(mark);
     return true;

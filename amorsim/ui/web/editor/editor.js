@@ -1,7 +1,7 @@
 // The Editor's page: a document that the server keeps, drawn and listed; every gesture is a step that can be undone.
 
 import { h, say } from "../shared/dom.js";
-import { Connection } from "../shared/socket.js";
+import { Connection, lostWords } from "../shared/socket.js";
 import { startTheme } from "../shared/theme.js";
 import { Hand } from "../shared/tool.js";
 import { showMenu } from "./adding.js";
@@ -12,7 +12,7 @@ import { Ghosts } from "./ghosts.js";
 import { Inspector } from "./inspector.js";
 import { listen } from "./keys.js";
 import { DOINGS, build } from "./layout.js";
-import { ObjectList, counts, faultButtons } from "./list.js";
+import { ObjectList, counts, faultButtons, faultsAndLacks } from "./list.js";
 import { WALL_TOOLS, showOutside, showPen, showTools } from "./outside.js";
 import { showMounts } from "./mounting.js";
 import { BrushTool, FillTool, cropTool } from "./paint_tools.js";
@@ -23,7 +23,7 @@ import { showTyping } from "./typing.js";
 import { takeUp } from "./underlay.js";
 import { DoorTool, RoomTool, TrimTool } from "./wall_tools.js";
 
-const LOST = "The connection to amorsim is lost; trying again. The server keeps your changes.";
+const KEPT = "Your changes are kept.";
 
 export class EditorPage {
   /** @param {HTMLElement} root */
@@ -70,7 +70,7 @@ export class EditorPage {
       frame: () => {},
       news: (message) => message.window && (this.window = message.window),
       open: () => this.follow(),
-      lost: () => this.warn(LOST),
+      lost: (attempts) => this.warn(lostWords(attempts, KEPT)),
     });
   }
 
@@ -132,18 +132,21 @@ export class EditorPage {
   draw(drawn) {
     this.drawn = drawn;
     if (this.playing) return; // it is shown when that has ended
-    const { faults, things, still } = drawn;
+    const { things, still } = drawn;
+    const [faults, lacks] = faultsAndLacks(drawn.faults, this.state.is_new);
     const { parts, stage } = this;
     this.faults = faults;
     if (this.toolName === "select") stage.preview = null;
     for (const stroke of stage.strokes) stroke.isRead ||= stroke.isKept && !this.state.is_behind;
     // First of all, for they take room from the drawing.
-    say(parts.problems, faults.length === 1 ? "1 fault" : faults.length ? `${faults.length} faults` : "no faults");
+    parts.reading.hidden = true;
+    const isRight = lacks.length ? `not yet: ${lacks.join(", ")}` : "no faults";
+    say(parts.problems, faults.length === 1 ? "1 fault" : faults.length ? `${faults.length} faults` : isRight);
     parts.faults.hidden = !faults.length;
     parts.faults.replaceChildren(faultButtons(faults, (at) => this.goTo(at)));
     stage.update({ still, things }, (name) => this.image(name));
     const { walls } = stage.walls;
-    this.objects.show(things, walls);
+    this.objects.show(lacks.length ? things.map((thing) => (thing.path === "world" ? { ...thing, faults: 0 } : thing)) : things, walls);
     counts(parts.counts, things, walls);
     if (this.wanted) this.choose(this.wanted.paths, this.wanted.walls);
     if (this.fitsNext) stage.fit();

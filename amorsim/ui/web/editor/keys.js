@@ -10,7 +10,7 @@ import { KEYS } from "./layout.js";
 import { play } from "./play.js";
 import { MENU } from "./project.js";
 import { holdSensor } from "./mounting.js";
-import { typed } from "./typing.js";
+import { beginTyping, keyTyped, showTyped } from "./typing.js";
 
 /** @param {import("./editor.js").EditorPage} page */
 export function listen(page) {
@@ -48,9 +48,8 @@ export function listen(page) {
     parts.width.value = String(page.width);
   });
   for (const name of ["length", "angle"]) {
-    parts[name].addEventListener("keydown", (event) => {
-      if (event.key === "Enter") typed(page);
-    });
+    parts[name].addEventListener("keydown", (event) => keyTyped(page, event));
+    parts[name].addEventListener("input", () => showTyped(page));
   }
   globalThis.addEventListener("keydown", (event) => press(page, event));
 }
@@ -80,7 +79,7 @@ function press(page, event) {
   const target = /** @type {HTMLElement} */ (event.target);
   if (event.defaultPrevented || target.closest?.("dialog")) return;
   const isTyping = target.matches?.("input, textarea, select");
-  const { camera } = page.stage;
+  const { pane } = page.stage;
   if (event.ctrlKey || event.metaKey) {
     if (isTyping && event.key !== "s") return;
     const does = withControl(page)[event.key];
@@ -90,7 +89,11 @@ function press(page, event) {
     return;
   }
   if (isTyping || event.altKey) return;
-  const shifted = { ArrowLeft: () => camera.pan(60, 0), ArrowRight: () => camera.pan(-60, 0), ArrowUp: () => camera.pan(0, 60), ArrowDown: () => camera.pan(0, -60) };
+  if (beginTyping(page, event.key)) {
+    event.preventDefault();
+    return;
+  }
+  const shifted = { ArrowLeft: () => pane.pan(60, 0), ArrowRight: () => pane.pan(-60, 0), ArrowUp: () => pane.pan(0, 60), ArrowDown: () => pane.pan(0, -60) };
   const does = (event.shiftKey && shifted[event.key]) || plain(page)[event.key];
   if (!does) return;
   event.preventDefault();

@@ -44,6 +44,7 @@ export function build({ pane, objects, inspector }) {
     return [name, drawn];
   }));
   const field = (name, label) => make(name, h("input", { type: "text", inputmode: "decimal", autocomplete: "off", id: `typed-${name}`, "aria-label": label }));
+  pane.append(make("reading", h("p", { class: "reading", role: "status" }, "reading the scenario …")));
   parts.element = h(
     "div",
     { class: "window" },

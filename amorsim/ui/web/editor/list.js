@@ -5,7 +5,8 @@ import { drawing } from "./drawing.js";
 
 const KINDS = { settings: "Scenario", robot: "Robots", obstacle: "Obstacles", zone: "Zones", landmark: "Landmarks", light: "Lights", wall: "Walls" };
 const MOST = 300; // lines of a kind
-const EYE = "M2 10q8-9 16 0q-8 9-16 0z M12.5 10a2.5 2.5 0 1 1-5 0a2.5 2.5 0 1 1 5 0z M4 17L16 3";
+const EYE = "M2 10q8-9 16 0q-8 9-16 0z M12.5 10a2.5 2.5 0 1 1-5 0a2.5 2.5 0 1 1 5 0z";
+const STRUCK = "M4 17L16 3";
 const PADLOCK = "M4.5 9h11v8h-11z M7 9V6a3 3 0 0 1 6 0v3";
 
 export class ObjectList {
@@ -49,18 +50,20 @@ export class ObjectList {
   head(kind, title) {
     const { stage } = this.page;
     if (kind === "settings") return h("div", { class: "layer" }, title);
-    const button = (set, label, sign) => {
+    const button = (set, label, sign, struck = "") => {
+      const show = () => one.replaceChildren(drawing(set.has(kind) ? `${sign} ${struck}` : sign));
       const one = h("button", { class: "tool", "aria-pressed": String(set.has(kind)), "aria-label": `${label} ${KINDS[kind].toLowerCase()}`, title: label });
-      one.append(drawing(sign));
+      show();
       one.addEventListener("click", () => {
         set.has(kind) ? set.delete(kind) : set.add(kind);
         one.setAttribute("aria-pressed", String(set.has(kind)));
+        show();
         stage.selection.set(stage.selection.things.filter((chosen) => stage.isFree(chosen.kind)));
         stage.hide();
       });
       return one;
     };
-    return h("div", { class: "layer" }, title, h("div", { class: "both" }, button(stage.hidden, "hide", EYE), button(stage.locked, "lock", PADLOCK)));
+    return h("div", { class: "layer" }, title, h("div", { class: "both" }, button(stage.hidden, "hide", EYE, STRUCK), button(stage.locked, "lock", PADLOCK)));
   }
 
   line(key, name, note, faults, chosen) {
@@ -84,6 +87,17 @@ export class ObjectList {
     for (const [key, line] of this.lines) line.setAttribute("aria-pressed", String(chosen.has(key)));
     if (chosen.size === 1) this.lines.get(String([...chosen][0]))?.scrollIntoView({ block: "nearest" });
   }
+}
+
+const LACKS = { world: "walls", robots: "a robot" };
+
+/** The faults, and what a new scenario only has not yet, in words.
+ * @param {any[]} faults
+ * @param {boolean} isNew
+ * @returns {[any[], string[]]} */
+export function faultsAndLacks(faults, isNew) {
+  const isLack = ({ at, message }) => isNew && at in LACKS && message.startsWith("missing");
+  return [faults.filter((one) => !isLack(one)), faults.filter(isLack).map(({ at }) => LACKS[at])];
 }
 
 /** The faults, each a button that leads to what it is about.

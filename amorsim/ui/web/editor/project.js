@@ -110,12 +110,24 @@ function confirmWorld(page, name, { words }) {
  * @param {import("./editor.js").EditorPage} page
  * @param {string} tool */
 export async function askLines(page, tool = "line") {
-  page.hint("reading the walls …");
+  const body = h("div", {}, h("p", { role: "status" }, "Reading the walls …"));
+  const cancel = h("button", { onclick: () => dialog.close() }, "cancel");
+  const make = h("button", { class: "main", disabled: true }, "make the walls a file");
+  const dialog = open("Draw in these walls", body, [cancel, make]);
   const tried = await page.connection.ask({ do: "make_lines", is_trial: true });
-  page.hint(tried.ok ? "" : tried.error);
-  if (!tried.ok) return;
+  if (!dialog.open) return; // the user did not wait
   const problem = h("p", { class: "error", role: "alert" });
-  const make = async () => {
+  if (!tried.ok) {
+    body.replaceChildren(problem);
+    say(problem, tried.error);
+    return;
+  }
+  body.replaceChildren(
+    h("p", {}, `${page.wallsFixed[0].toUpperCase()}${page.wallsFixed.slice(1)}.`),
+    h("p", {}, `Its walls as they are now become ${tried.file}, the world of this scenario. Undo takes that back.`),
+    h("ul", {}, tried.words.map((one) => h("li", {}, one))), problem);
+  make.disabled = false;
+  make.addEventListener("click", async () => {
     const said = await page.connection.ask({ do: "make_lines", is_trial: false });
     if (!said.ok) {
       say(problem, said.error);
@@ -124,14 +136,7 @@ export async function askLines(page, tool = "line") {
     dialog.close();
     page.wantedTool = tool;
     page.hint(`the walls are in ${said.file} now, which is written when you save`);
-  };
-  const dialog = open(
-    `Draw in ${tried.file}`,
-    h("div", {}, h("p", {}, `${page.wallsFixed[0].toUpperCase()}${page.wallsFixed.slice(1)}.`),
-      h("p", {}, `Its walls as they are now become ${tried.file}, the world of this scenario. Undo takes that back.`),
-      h("ul", {}, tried.words.map((one) => h("li", {}, one))), problem),
-    [h("button", { onclick: () => dialog.close() }, "cancel"), h("button", { class: "main", onclick: make }, "make the walls a file")],
-  );
+  });
 }
 
 async function picture(page, kind) {

@@ -177,7 +177,7 @@ export class SelectTool extends Tool {
     this.stage.putBack();
   }
 
-  key(event, middle) {
+  key(event, place) {
     const { stage, page } = this;
     const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
     if (event.ctrlKey || event.metaKey) return false;
@@ -200,7 +200,7 @@ export class SelectTool extends Tool {
       return true;
     }
     if (event.key === "Enter") {
-      const found = stage.at(middle);
+      const found = stage.at(place);
       stage.selection.set(found ? [found] : []);
       return true;
     }

@@ -70,7 +70,7 @@ export class EditStage extends StillStage {
     this.pane.layers.push(
       atRest(new MarksLayer(this, false)),
       new ViewsLayer(this, true), new PlacesLayer(this, true), new BodiesLayer(above), new StillRobotLayer(above), new NamesLayer(above, "true"), new MarksLayer(this, true),
-      new PreviewLayer(this), new WordsLayer(this), new RulersLayer(() => this.options.grid),
+      new PreviewLayer(this), new WordsLayer(this), new RulersLayer(() => this.options.grid && this.still !== undefined),
     );
   }
 

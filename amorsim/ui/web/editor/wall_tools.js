@@ -8,8 +8,8 @@ const REACH = 22; // pixels
 
 /** Two corners, and where the opening is: Escape leaves the room closed. */
 export class RoomTool extends RectangleTool {
-  typed(across, up) {
-    return !this.corner && super.typed(across, up);
+  typedMark(across, up) {
+    return this.corner ? null : super.typedMark(across, up);
   }
 
   get says() {
@@ -49,19 +49,20 @@ export class RoomTool extends RectangleTool {
 
   finish(mark) {
     const walls = withOpening(this.sidesNow(mark), mark, this.page.width);
-    this.forget();
+    this.cancel();
+    this.page.showTool(this);
     this.page.edit("draw a room", [{ op: "walls", add: walls }]);
   }
 
-  forget() {
-    this.corner = null;
-    super.cancel();
-    this.page.showTool(this);
+  key(event, place) {
+    if (event.key !== "Escape" || !this.corner) return super.key(event, place);
+    this.finish(null);
+    return true;
   }
 
   cancel() {
-    if (this.corner) this.finish(null);
-    else super.cancel();
+    this.corner = null;
+    super.cancel();
   }
 }
 

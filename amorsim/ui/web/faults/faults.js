@@ -2,13 +2,12 @@
 // is mended.
 
 import { h, say } from "../shared/dom.js";
-import { Connection } from "../shared/socket.js";
+import { Connection, lostWords } from "../shared/socket.js";
 import { StillStage } from "../shared/still.js";
 import { startTheme } from "../shared/theme.js";
 import { faultList } from "./list.js";
 
 const STARTING = "No faults any more. The simulation is being started; this page goes on to it by itself.";
-const LOST = "The connection to amorsim is lost; trying again.";
 
 /** @typedef {import("../simulator/wire.js").FaultyFile} FaultyFile */
 
@@ -24,7 +23,7 @@ export class FaultsPage {
       frame: () => {},
       news: () => {},
       open: () => this.follow(),
-      lost: () => this.tell(LOST),
+      lost: (attempts) => this.tell(lostWords(attempts)),
     });
   }
 

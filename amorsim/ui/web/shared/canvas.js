@@ -2,6 +2,7 @@
 
 import { fixed, h, niceStep, say } from "./dom.js";
 import { Bitmap, drawLayer } from "./layer.js";
+import { Pinch } from "./pinch.js";
 import { Tool } from "./tool.js";
 
 const ZOOM = 0.0015; // of a wheel's turn, as a power of e
@@ -25,6 +26,9 @@ export class Canvas {
     /** @type {Tool | null} */
     this.active = null; // the tool that the pointer is down with
     this.panning = new Tool(); // the tool of the middle button
+    this.pinch = new Pinch(camera);
+    /** Where the pointer is, if it is over the canvas and was used last. @type {{left: number, top: number} | null} */
+    this.pointed = null;
     this.coordinates = h("output", { class: "coordinates", "aria-hidden": "true" });
     this.canvas = /** @type {HTMLCanvasElement} */ (h("canvas", { id, tabindex: "0", role: "img", "aria-label": label }));
     this.element = h("div", { class: "pane" }, this.canvas, this.coordinates);
@@ -36,6 +40,7 @@ export class Canvas {
    * @param {Tool} tool */
   take(tool) {
     this.cancel();
+    this.tool.cancel();
     this.tool = tool;
     this.showCursor();
   }
@@ -78,7 +83,7 @@ export class Canvas {
     this.bitmaps.length = run;
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     this.drawScale();
-    if (this.canvas.matches(":focus-visible")) this.drawMiddle();
+    if (!this.pointed && this.canvas.matches(":focus-visible")) this.drawMiddle();
   }
 
   drawScale() {
@@ -133,9 +138,32 @@ export class Canvas {
     return { x, y, left, top };
   }
 
+  /** The place that keys point at: the pointer's, or the middle where the keyboard alone is used.
+   * @returns {import("./tool.js").Place} */
+  get keyPlace() {
+    const { camera } = this;
+    const { left, top } = this.pointed ?? { left: camera.width / 2, top: camera.height / 2 };
+    const [x, y] = camera.toWorld(left, top);
+    return { x, y, left, top };
+  }
+
+  /** Move what is seen, by keys; they point at the middle then, and so does the tool.
+   * @param {number} right pixels
+   * @param {number} down */
+  pan(right, down) {
+    this.camera.pan(right, down);
+    this.pointed = null;
+    this.tool.move(this.keyPlace, /** @type {any} */ ({ altKey: false, shiftKey: false }));
+  }
+
   listen() {
     const { canvas, camera } = this;
     canvas.addEventListener("pointerdown", (event) => {
+      this.pointed = this.placeOf(event);
+      if (event.pointerType === "touch" && this.pinch.down(event.pointerId, this.pointed)) {
+        this.cancel(); // what the first finger had begun
+        return;
+      }
       if (this.active || !Object.values(BUTTONS).includes(event.button)) return;
       canvas.setPointerCapture(event.pointerId);
       this.active = event.button === BUTTONS.middle ? this.panning : this.tool;
@@ -144,17 +172,28 @@ export class Canvas {
     });
     canvas.addEventListener("pointermove", (event) => {
       const place = this.placeOf(event);
+      if (this.pinch.move(event.pointerId, place)) return;
+      this.pointed = place;
       say(this.coordinates, `${fixed(place.x, 2)}, ${fixed(place.y, 2)} m`);
       (this.active ?? this.tool).move(place, event);
     });
     canvas.addEventListener("pointerup", (event) => {
+      if (this.pinch.up(event.pointerId)) return;
       const { active } = this;
       this.active = null;
       active?.up(this.placeOf(event), event);
       this.showCursor();
     });
-    for (const end of ["pointercancel", "lostpointercapture"]) canvas.addEventListener(end, () => this.active && this.cancel());
-    canvas.addEventListener("pointerleave", () => say(this.coordinates, ""));
+    for (const end of ["pointercancel", "lostpointercapture"]) {
+      canvas.addEventListener(end, (event) => {
+        this.pinch.up(/** @type {PointerEvent} */ (event).pointerId);
+        if (this.active) this.cancel();
+      });
+    }
+    canvas.addEventListener("pointerleave", () => {
+      this.pointed = null;
+      say(this.coordinates, "");
+    });
     canvas.addEventListener(
       "wheel",
       (event) => {
@@ -169,9 +208,12 @@ export class Canvas {
         this.cancel();
         return;
       }
-      const middle = { x: camera.x, y: camera.y, left: camera.width / 2, top: camera.height / 2 };
-      if (this.tool.key(event, middle)) event.preventDefault();
+      if (this.tool.key(event, this.keyPlace)) event.preventDefault();
     });
-    for (const change of ["focus", "blur"]) canvas.addEventListener(change, () => camera.changed());
+    canvas.addEventListener("focus", () => {
+      if (canvas.matches(":focus-visible")) this.pointed = null; // it came by the keyboard
+      camera.changed();
+    });
+    canvas.addEventListener("blur", () => camera.changed());
   }
 }

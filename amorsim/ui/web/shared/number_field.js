@@ -25,7 +25,7 @@ export class NumberField extends Field {
       type: "range",
       // Any: else it could not hold a value that is no multiple of its step.
       step: this.isWhole ? "1" : "any",
-      "aria-label": parameter.label,
+      "aria-label": [parameter.label, parameter.group, parameter.kind === "systematic" ? "error" : parameter.kind].filter(Boolean).join(", "),
       oninput: () => this.preview(),
       onchange: () => this.settle(),
       onpointerdown: () => (this.rest = 0),

@@ -11,8 +11,18 @@ function ownTab() {
   }
 }
 
+const SOON = 4; // attempts to connect again, within some seconds
+
+/** What is said when a connection is lost: in the end, what to do.
+ * @param {number} attempts that were made to connect again
+ * @param {string} [kept] what is not lost */
+export function lostWords(attempts, kept = "") {
+  const words = attempts < SOON ? "The connection to amorsim is lost; trying again." : "amorsim does not answer. If it has ended, give its command again in the terminal, and open the address that it prints.";
+  return kept ? `${words} ${kept}` : words;
+}
+
 export class Connection {
-  /** @param on `{frame(buffer), news(message), open(), lost()}`
+  /** @param on `{frame(buffer), news(message), open(), lost(attempts)}`
    * @param {string} page whose session it talks with */
   constructor(on, page = location.pathname) {
     this.on = on;
@@ -21,6 +31,7 @@ export class Connection {
     this.waiting = new Map();
     this.next = 1;
     this.delay = 300;
+    this.attempts = 0; // to connect again
     this.tab = ownTab();
     this.connect();
   }
@@ -31,6 +42,7 @@ export class Connection {
     this.socket.binaryType = "arraybuffer";
     this.socket.onopen = () => {
       this.delay = 300;
+      this.attempts = 0;
       this.on.open();
     };
     this.socket.onmessage = ({ data }) => {
@@ -50,7 +62,7 @@ export class Connection {
       for (const answer of this.waiting.values()) answer({ ok: false, error: "The connection is lost." });
       this.waiting.clear();
       if (this.isEnded) return;
-      this.on.lost();
+      this.on.lost(this.attempts++);
       setTimeout(() => this.connect(), this.delay);
       this.delay = Math.min(this.delay * 2, 5000);
     };

@@ -113,7 +113,7 @@ export class StillStage {
     this.looks = 0; // how often what stands still has come to look otherwise
     this.pane = new Canvas({ id, label: `${label}. ${HELP}`, camera: this.camera, theme: this.theme });
     this.pane.layers = [
-      new GridLayer(() => this.options.grid), new WorldLayer(this),
+      new GridLayer(() => this.options.grid && this.still !== undefined), new WorldLayer(this),
       ...[new BodiesLayer(this), new StillRobotLayer(this), new OutlinesLayer(this), new SelectionLayer(this, "true"), new NamesLayer(this, "true")].map(atRest),
     ];
     const hand = new Hand(this.camera, { clicked: (place) => this.pick(place) });

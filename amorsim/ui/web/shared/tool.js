@@ -31,16 +31,16 @@ export class Tool {
   /** What was begun is given up: the pointer is lost, Escape pressed, or another tool taken. */
   cancel() {}
 
-  /** A key is pressed on the canvas, with the middle of it in place of a pointer; whether the tool has used it.
+  /** A key is pressed on the canvas, with the place that keys point at; whether the tool has used it.
    * @param {KeyboardEvent} _event
-   * @param {Place} _middle
+   * @param {Place} _place
    * @returns {boolean} */
-  key(_event, _middle) {
+  key(_event, _place) {
     return false;
   }
 }
 
-/** The hand: drags the camera, and a click points at what is there. Enter points at what is in the middle. */
+/** The hand: drags the camera, and a click points at what is there. Enter points at what lies where keys point. */
 export class Hand extends Tool {
   /**
    * @param {import("./camera.js").Camera} camera
@@ -89,10 +89,10 @@ export class Hand extends Tool {
   }
 
   /** @param {KeyboardEvent} event
-   * @param {Place} middle */
-  key(event, middle) {
+   * @param {Place} place */
+  key(event, place) {
     if (event.key !== "Enter") return false;
-    this.on.clicked?.(middle);
+    this.on.clicked?.(place);
     return true;
   }
 }

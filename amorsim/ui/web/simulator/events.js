@@ -22,6 +22,7 @@ export class Events {
     for (const event of events) {
       if (event.number <= this.next) continue;
       this.next = event.number;
+      if (event.is_told) continue; // the line before names both bodies
       const serious = ["collision", "fault", "hang"].includes(event.kind);
       const go = h(
         "button",

@@ -22,7 +22,8 @@ export function listenToKeys(simulator) {
   const flip = (name) => stage.setOption(name, !stage.options[name]);
   const pan = (right, down) => {
     stage.setOption("follow", false);
-    stage.camera.pan(right, down);
+    stage.robot.pan(right, down);
+    stage.control.pointed = null;
   };
   const plain = {
     " ": () => timebar.toggle(),

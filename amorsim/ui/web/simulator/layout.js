@@ -60,28 +60,32 @@ export function build({ stage, timebar, driving, form, replay }) {
   );
   const robot = panel(
     "robot",
-    h(
+    make("robotHead", h(
       "div",
       { class: "head" },
       h("h2", { id: "robot-title" }, swatch("true"), make("robotName", h("span", {}, "Robot"))),
       make("robotNote", h("span", { class: "note" }, "what is true")),
       h("div", { class: "tools", role: "group", "aria-label": "view" }, [...views, ...Object.values(parts.zoom)]),
-    ),
+    )),
     stage.robot.element,
   );
   // At the lower end of the pane, where it covers no words.
   stage.robot.element.append(make("hint", h("div", { class: "hint", role: "status", "aria-live": "polite" })));
   const control = panel(
     "control",
-    h(
+    make("controlHead", h(
       "div",
       { class: "head" },
       h("h2", { id: "control-title" }, swatch("estimated"), "Control"),
       h("span", { class: "note", title: "its readings, drawn from its estimated pose" }, "what it knows"),
-      stage.mapped.element,
-      stage.intended.element,
-      make("sensors", h("div", { class: "tools", role: "group", "aria-label": "sensors that are drawn" })),
-    ),
+      make("knownTools", h(
+        "div",
+        { class: "known-tools" },
+        stage.mapped.element,
+        stage.intended.element,
+        make("sensors", h("div", { class: "tools", role: "group", "aria-label": "sensors that are drawn" })),
+      )),
+    )),
     stage.control.element,
   );
   const about = panel("run", head("run", "This run"), scroll("about this run", replay.element));
@@ -93,6 +97,7 @@ export function build({ stage, timebar, driving, form, replay }) {
       make("errorsTitle", h("h2", { id: "errors-title" }, "Errors")),
       make("asInFile", h("button", { class: "tool holders-only", title: "all parameters as in the scenario" }, "as in file")),
     ),
+    make("formNote", h("p", { class: "form-note", hidden: true })),
     scroll("parameters", form.element),
     driving.element,
   );

@@ -2,7 +2,7 @@
 
 import { showKeys, tell } from "../shared/dialogs.js";
 import { leadBack } from "./back.js";
-import { colourChip, h, say } from "../shared/dom.js";
+import { colourChip, fixed, h, say } from "../shared/dom.js";
 import { Driving } from "./drive.js";
 import { Events } from "./events.js";
 import { Form } from "../shared/forms.js";
@@ -64,7 +64,7 @@ export class Simulator {
       frame: (buffer) => this.frameCame(buffer),
       news: (message) => this.newsCame(message),
       open: () => this.opened(),
-      lost: () => this.warnings.show({ status: "lost" }),
+      lost: (attempts) => this.warnings.show({ status: "lost", attempts }),
     });
     for (const [name, value] of Object.entries(this.stage.options)) this.showOption(name, value);
   }
@@ -128,6 +128,7 @@ export class Simulator {
     const isRecorded = Boolean(this.scene.recorded);
     if (!isRecorded && !(frame.states & (FLAG.scrubbed | FLAG.posesOnly))) this.numbers.record(frame);
     this.timebar.show(frame, this.scene);
+    if (!isRecorded) this.showPast(frame);
     this.driving.isRunning = Boolean(frame.states & FLAG.running);
     if (!isRecorded) this.driving.setByHand(Boolean(frame.flags[frame.selected] & ROBOT.byHand));
     this.unacknowledged = frame.number;
@@ -139,6 +140,20 @@ export class Simulator {
       if (this.states === undefined && !frame.tick && !(frame.states & FLAG.running)) this.hint("Press Space to run, ? for all keys.");
     }
     this.states = frame.states;
+  }
+
+  /** In the past the form shows the values of that moment, and nothing can be set before one goes on from there. */
+  showPast(frame) {
+    const isPast = Boolean(frame.states & FLAG.scrubbed);
+    const moment = isPast ? frame.tick : -1;
+    if (moment === this.moment) return;
+    this.moment = moment;
+    this.form.forget();
+    this.form.element.inert = isPast;
+    this.parts.formNote.hidden = !isPast;
+    const whose = frame.states & FLAG.posesOnly ? "The newest values: of this moment only poses are kept" : `The values at ${fixed(frame.time, 1)} s`;
+    say(this.parts.formNote, isPast ? `${whose}. To change them, continue here.` : "");
+    this.formSaid();
   }
 
   /** Another robot, or another course of events: what was kept of the one before goes, its history comes. */
@@ -328,6 +343,8 @@ export class Simulator {
     this.parts.tools.get(name)?.setAttribute("aria-pressed", String(value));
     if (name !== "overlay") return;
     this.parts.element.classList.toggle("overlaid", value);
+    const { knownTools } = this.parts; // they go where what they switch is seen
+    (value ? this.parts.robotHead : this.parts.controlHead).append(knownTools);
     say(this.parts.robotName, value ? "Robot and Control" : "Robot");
     say(this.parts.robotNote, value ? "what is true, and over it what it knows" : "what is true");
   }

@@ -2,9 +2,10 @@
 
 import { tell } from "../shared/dialogs.js";
 import { h } from "../shared/dom.js";
+import { lostWords } from "../shared/socket.js";
 
 const WORDS = {
-  lost: "The connection to amorsim is lost; trying again.",
+  lost: lostWords(0),
   compiling: "Kernels are being compiled, once after installing: some ten seconds. It goes on by itself.",
   restarting: "The simulation is being restarted …",
   gone: "The simulation's process has ended.",
@@ -21,7 +22,8 @@ export class Warnings {
   show(state) {
     const fault = state.fault;
     const trouble = WORDS[state.status] !== undefined || state.status === "fault";
-    let signature = trouble ? `${state.status} ${fault?.number ?? ""}` : "";
+    const words = state.status === "lost" ? lostWords(state.attempts) : WORDS[state.status];
+    let signature = trouble ? `${state.status} ${fault?.number ?? words}` : "";
     if (!trouble && state.changed) signature = "changed";
     if (!trouble && state.damage) signature = `damage ${state.damage}`;
     if (signature === this.shown) return;
@@ -31,7 +33,7 @@ export class Warnings {
     if (signature === "changed") this.offerReload();
     if (signature.startsWith("damage")) this.banner.replaceChildren(h("span", {}, state.damage));
     if (!trouble) return;
-    const parts = [h("span", {}, fault && state.status !== "lost" ? fault.text : WORDS[state.status])];
+    const parts = [h("span", {}, fault && state.status !== "lost" ? fault.text : words)];
     if (fault?.stack) parts.push(h("button", { onclick: () => tell("Where it was", h("pre", { tabindex: "0" }, fault.stack)) }, "show the stack"));
     if (["fault", "hang", "gone"].includes(state.status)) {
       const without = fault?.robot ? [fault.robot] : [];

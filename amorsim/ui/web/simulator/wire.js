@@ -295,6 +295,7 @@ export const BLOCKS = [
  * @property {string} text
  * @property {number[] | null} point
  * @property {string} stack
+ * @property {boolean} is_told
  */
 
 /**
