@@ -183,7 +183,7 @@ def test_a_fault_has_its_path_and_says_what_would_be_right(read, faults, text, p
 
 
 def test_a_model_that_is_not_there_is_one_fault_whatever_is_changed_of_it(faults):
-    changes = "sensors.laser.range_max = 4\nestimators.odometry.start_std = [1, 1, 1]\ndrive.track = 0.3\ncontroller.k = 1"
+    changes = "sensors.laser.range_max = 4\nestimators.odometry.x = 1\ndrive.track = 0.3\ncontroller.k = 1"
     found = faults(f"[[robots]]\nname = 'a'\nmodel = 'pioneer2dy'\n{changes}\nerrors.drive.track.scale = 1.1")
     assert [path for path in found if path.startswith("robots")] == ["robots.0.model"]
 
