@@ -19,7 +19,7 @@ __all__ = ["CONTENTS", "LONG_PAGES", "as_contents", "links_to_parts", "make_part
 LONG_PAGES = ("reference/components", "reference/python")
 """Pages whose sections of the third level become pages."""
 
-CONTENTS = ("index", "explanation/errors/README")
+CONTENTS = ("index", "explanation/errors/README", "labs/README")
 """Pages whose links are the site's tables of contents."""
 
 SCENARIOS = "reference/scenarios"
@@ -115,11 +115,16 @@ def as_contents(page: str, text: str) -> str:
     tables = []
     for paragraph in re.split(r"^(?=\*\*)", text, flags=re.MULTILINE):
         caption = re.match(r"\*\*(.+?)[. …]*\*\*", paragraph)
-        links = dict.fromkeys(link for _, link, _ in _LINK.findall(paragraph) if link.endswith(".md"))
+        links = dict.fromkeys(link for _, link, _ in _LINK.findall(paragraph) if _is_below(link))
         within = [link for link in links if page != "index" or caption]
         if within:
             tables.append(_table(caption[1] if caption and page == "index" else "", within))
     return text + "".join(tables)
+
+
+def _is_below(link: str) -> bool:
+    """Whether a link leads to a page of the site that is not elsewhere."""
+    return link.endswith(".md") and not link.startswith("../")
 
 
 def _list_of_parts(page: str, text: str) -> str:

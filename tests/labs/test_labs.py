@@ -1,0 +1,62 @@
+"""Labs: what is handed out runs, and each solution earns what the lecturer's page says."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+import amorsim as am
+from amorsim.grading.grade import grade
+from tests.first_hour.conftest import ROOT
+from tests.grading.courses import fence_problem
+
+LABS = ROOT / "docs" / "labs"
+SEEDS = "practice = true\nseeds = [11, 12]"
+# Points by file: the least, and the most.
+EARNED = {
+    "06-ekf-with-landmarks": {
+        "filter": (0.0, 6.0),
+        "good": (9.0, 10.0),
+        "overconfident": (6.5, 7.5),
+        "unwrapped": (0.0, 1.0),
+        "cheating": (0.0, 3.0),
+    }
+}
+
+
+def test_every_lab_has_its_parts() -> None:
+    assert {path.parent.name for path in LABS.glob("*/rubric.toml")} == set(EARNED)
+    for name, earned in EARNED.items():
+        folder = LABS / name
+        assert (folder / "handout.md").exists()
+        assert {path.stem for path in folder.rglob("*.py")} == set(earned)
+        assert f"({name}/handout.md)" in (LABS / "README.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", EARNED)
+def test_what_is_handed_out_moves_and_drifts(name: str) -> None:
+    simulation = am.Simulation(am.load(LABS / name / "lab.toml"))
+    before = simulation.true_pose.copy()
+    simulation.run(5.0)
+    assert abs(simulation.true_pose - before)[0, 0] > 0.5
+    assert (simulation.true_pose != simulation.estimated_pose).any()
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", EARNED)
+def test_submissions_earn_what_they_should(name: str, tmp_path: Path) -> None:
+    lab = tmp_path / "lab"
+    shutil.copytree(LABS / name, lab)
+    rubric = lab / "rubric.toml"
+    text = rubric.read_text(encoding="utf-8")
+    assert "runs = 3" in text
+    rubric.write_text(text.replace("runs = 3", SEEDS), encoding="utf-8")
+    files = [path for path in sorted(lab.rglob("*.py")) if "__pycache__" not in path.parts]
+    found = {one.label: one for one in grade(rubric, files, tmp_path / "grades", fence=not fence_problem())}
+    for label, (least, most) in EARNED[name].items():
+        assert [case.problem for case in found[label].cases] == ["", ""], label
+        assert least <= found[label].total <= most, (label, found[label].total)
+    assert found["overconfident"].points_for("consistent") == 0.0
+    assert found["overconfident"].points_for("position") == found["good"].points_for("position")
