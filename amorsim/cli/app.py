@@ -50,7 +50,7 @@ INTERRUPTED = 130  # the exit status after Ctrl-C, as shells have it
 
 
 class _Commands(TyperGroup):
-    """Says where Ctrl-C was answered; typer itself ends without a word, and drops the error's notes."""
+    """Commands that report where Ctrl-C was answered; typer alone ends without a word, and drops the error's notes."""
 
     def invoke(self, ctx: Any) -> Any:
         answer_interrupts()

@@ -78,7 +78,7 @@ class Wanted:
 
 @contextlib.contextmanager
 def in_options() -> Iterator[None]:
-    """Says what is wrong with a film in words of the options."""
+    """Turn errors of a film into messages that name the options."""
     from amorsim.core.errors import AmorsimError
     from amorsim.core.parameters import ParameterError
 

@@ -61,7 +61,7 @@ class Metric(abc.ABC):
     unit: ClassVar[str]
     """The unit of its values; empty for a pure number."""
     better: ClassVar[str]
-    """``"lower"`` or ``"higher"``, whichever is better; ``"neither"`` if that cannot be said."""
+    """``"lower"`` or ``"higher"``, whichever is better; ``"neither"`` if neither is."""
 
     def needs(self) -> Sequence[str]:
         """The quantities that it reads, by the names of `Simulation.run`'s `keep`, such as ``"true_pose"``."""

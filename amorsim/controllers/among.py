@@ -130,7 +130,7 @@ class _ByVelocity(Among):
     """The base of those that choose, of the velocities that the others leave it, the nearest to the one it wants."""
 
     leaves: ClassVar[tuple[str, int]]
-    """The belief that says what each of the others leaves it, and how many numbers that is."""
+    """The name of the belief of what each of the others leaves it, and how many numbers that is."""
 
     @abc.abstractmethod
     def nearest(self, known: Known, dt: float, first: int, end: int, left: Array, out: Array) -> None:

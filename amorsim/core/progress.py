@@ -22,7 +22,7 @@ _EVERY = 0.1  # [s] between two drawings
 def progress_shown(
     progress: bool | Callable[[T], None] | None, what: str, share: Callable[[T], float]
 ) -> Iterator[Callable[[T], None] | None]:
-    """What to call as work goes on; None if nobody is to be told.
+    """What to call as work goes on; None for nothing.
 
     Parameters
     ----------

@@ -33,7 +33,7 @@ class PngFile(NamedTuple):
     """The last five bytes of its header."""
     channels: int
     transparency: bytes
-    """The chunk that says which colour is transparent, or none."""
+    """The chunk with the transparent colour; empty for none."""
     start: int
     """Where its first chunk of pixels begins."""
 

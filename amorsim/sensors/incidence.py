@@ -18,7 +18,7 @@ PATCH = 0.05
 """[m] to either side of a beam at which a wall is probed.
 
 A map is cells, and the outline of a slanting wall is steps of their size: the slope is right to about a cell over
-twice this length, which is half a degree in cells of 1 mm. In cells as large as this it says little. On the other side,
+twice this length, which is half a degree in cells of 1 mm. In cells of this size it means little. On the other side,
 no wall shorter than this has a slope of its own; the area that an ultrasonic pulse is reflected by is of that size.
 """
 

@@ -16,13 +16,27 @@ LABS = ROOT / "docs" / "labs"
 SEEDS = "practice = true\nseeds = [11, 12]"
 # Points by file: the least, and the most.
 EARNED = {
+    "04-wall-following": {"follow": (0.0, 6.0), "good": (9.0, 10.0), "swinging": (6.5, 7.5), "cheating": (0.0, 3.0)},
+    "05-gyro-and-compass": {
+        "heading": (0.0, 6.0),
+        "good": (9.0, 10.0),
+        "unwrapped": (0.0, 3.0),
+        "compass_alone": (1.5, 2.5),
+        "cheating": (0.0, 3.0),
+    },
     "06-ekf-with-landmarks": {
         "filter": (0.0, 6.0),
         "good": (9.0, 10.0),
-        "overconfident": (6.5, 7.5),
+        "overconfident": (6.0, 7.5),
         "unwrapped": (0.0, 1.0),
         "cheating": (0.0, 3.0),
-    }
+    },
+}
+# The criterion that a mistake costs whole, and it alone.
+LOST = {
+    "04-wall-following": ("swinging", "smooth"),
+    "05-gyro-and-compass": ("compass_alone", "heading"),
+    "06-ekf-with-landmarks": ("overconfident", "consistent"),
 }
 
 
@@ -36,12 +50,11 @@ def test_every_lab_has_its_parts() -> None:
 
 
 @pytest.mark.parametrize("name", EARNED)
-def test_what_is_handed_out_moves_and_drifts(name: str) -> None:
+def test_what_is_handed_out_moves(name: str) -> None:
     simulation = am.Simulation(am.load(LABS / name / "lab.toml"))
     before = simulation.true_pose.copy()
     simulation.run(5.0)
     assert abs(simulation.true_pose - before)[0, 0] > 0.5
-    assert (simulation.true_pose != simulation.estimated_pose).any()
 
 
 @pytest.mark.long
@@ -58,5 +71,7 @@ def test_submissions_earn_what_they_should(name: str, tmp_path: Path) -> None:
     for label, (least, most) in EARNED[name].items():
         assert [case.problem for case in found[label].cases] == ["", ""], label
         assert least <= found[label].total <= most, (label, found[label].total)
-    assert found["overconfident"].points_for("consistent") == 0.0
-    assert found["overconfident"].points_for("position") == found["good"].points_for("position")
+    label, lost = LOST[name]
+    for criterion in found["good"].cases[0].points:
+        expected = 0.0 if criterion == lost else found["good"].points_for(criterion)
+        assert found[label].points_for(criterion) == pytest.approx(expected, abs=0.5), criterion

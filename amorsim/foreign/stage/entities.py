@@ -47,7 +47,7 @@ class Model:
     place: Place
     size: int
     said: tuple[Any, ...] = attrs.field(init=False)
-    """What it says with all in it, whatever lines that stands in."""
+    """Its words and all in it, wherever the lines break."""
 
     @said.default
     def _all_said(self) -> tuple[Any, ...]:

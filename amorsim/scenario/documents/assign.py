@@ -19,7 +19,7 @@ _COORDINATES = ("x", "y", "heading_deg")
 
 
 class Setter:
-    """Says values in the file of an editor, as `Document.set` does.
+    """Writes values into the file of an editor, as `Document.set` does.
 
     Parameters
     ----------

@@ -153,10 +153,10 @@ class Document:
         return origin
 
     def set(self, path: str, value: Any) -> None:
-        """Say a value at a path, in the place of the one that is there.
+        """Set the value at a path, in the place of the one that is there.
 
         Of a table or a list, only what differs is written. What holds anyway is left out: a value that is set back to
-        what the model, a device or a default sets is removed from the file. A default stays if the file said it when
+        what the model, a device or a default sets is removed from the file. A default stays if it was in the file when
         it was opened, and so does a coordinate. An error that changes nothing goes as a whole. Another ``use`` is
         another component: the keys of the one before go.
 

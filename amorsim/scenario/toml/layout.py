@@ -29,7 +29,7 @@ class Layout:
     def __init__(self, statements: Sequence[Statement]) -> None:
         self.paths: list[Path_ | None] = []
         self.pairs: dict[Path_, int] = {}
-        """The statement that says a path in a pair."""
+        """The statement that gives a path a value in a pair."""
         self.headers: dict[Path_, int] = {(): -1}
         """The statement that is the header of a table; the file's own table has none."""
         counts: dict[Path_, int] = {}

@@ -177,7 +177,7 @@ def _images(recording: Recording) -> dict[str, str]:
 
 
 def _scene(recording: Recording, robots: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """The scene, with what is not in the page told beside what is not in the folder."""
+    """The scene; what the page lacks is listed beside what the folder lacks."""
     scene = recording.scene
     about = scene["recorded"]
     lacks = [*about["lacks"]]

@@ -15,7 +15,7 @@ Say = Callable[[str], None]
 
 
 class LaunchUrl:
-    """Says the addresses of a server's door; each works once.
+    """Prints the addresses of a server's door; each works once.
 
     Parameters
     ----------

@@ -11,7 +11,7 @@ WINDOW = 1.0  # [s] of the clock, over which the achieved speed is taken
 
 
 class Pace:
-    """Says when the next step is due. All times of the clock on the wall are given, in seconds."""
+    """When the next step is due. All times are those of the wall clock [s], and are given."""
 
     def __init__(self) -> None:
         self.factor: float | None = 1.0  # none: as fast as possible
