@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -105,27 +105,11 @@ def merge_models(document: dict[str, Any], book: FaultCollector, registry: Regis
                 node.child("resolved_from").fault("a resolved robot has no model; leave one of the two out")
             if layers is None:
                 book.incomplete.add(node.path)
-                _drop_changes(robot)
             else:
                 robot["resolved_from"] = name
                 _check_removals(layers, node)
                 robots[index] = _merged(layers, node)
         _merge_devices(Node(robots[index], node.path, book), registry, known)
-
-
-def _drop_changes(robot: dict[str, Any]) -> None:
-    """Take out what a robot changes of the components of its model, which could not be read."""
-    for key in _NAMED:
-        if isinstance(own := robot.get(key), dict):
-            robot[key] = {name: one for name, one in own.items() if not (isinstance(one, dict) and _is_change(one))}
-    for key in ("drive", "controller"):
-        if isinstance(own := robot.get(key), dict) and _is_change(own):
-            del robot[key]
-
-
-def _is_change(table: Mapping[str, Any]) -> bool:
-    """Whether the table of a component names none itself: it changes another's fields."""
-    return not {"use", "model"} & set(table)
 
 
 def _check_removals(layers: Sequence[Layer], robot: Node) -> None:

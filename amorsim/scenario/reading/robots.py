@@ -117,18 +117,27 @@ def read_robot(
     if "shape" in node or not is_incomplete:
         values["shape"] = read_shape(node.child("shape"))
     drive = None
-    if "drive" in node:
+
+    def is_change(part: Node) -> bool:
+        """Whether this changes a component of the model that could not be read: which one is then not known."""
+        return is_incomplete and part.is_table and not {"use", "model"} & set(part.value)
+
+    if "drive" in node and not is_change(node.child("drive")):
         drive = read_drive(node.child("drive"), registry)
     elif not is_incomplete:
         node.child("drive").fault(
             f"missing; expected a model, or drive = {{ use = ... }} with one of: {', '.join(registry.names('drive'))}"
         )
-    sensors = {name: read_sensor(child, registry) for name, child in _named(node, "sensors")}
-    estimators = {name: read_estimator(child, registry) for name, child in _named(node, "estimators")}
+    parts = {
+        key: {name: child for name, child in _named(node, key) if not is_change(child)}
+        for key in ("sensors", "estimators")
+    }
+    sensors = {name: read_sensor(child, registry) for name, child in parts["sensors"].items()}
+    estimators = {name: read_estimator(child, registry) for name, child in parts["estimators"].items()}
     values.update(drive=drive, sensors=sensors, estimators=estimators)
     if "ground" in node:
         values["ground"] = read_chain(node.child("ground"), registry, "m")
-    if "controller" in node:
+    if "controller" in node and not is_change(node.child("controller")):
         values["controller"] = read_controller(node.child("controller"), registry)
     if "pose" in node:
         values["pose"] = read_pose(node.child("pose"))
@@ -141,8 +150,8 @@ def read_robot(
     values.update(_looks(node, Robot, ("on_collision",)))
     if "errors" in node:
         pose = values.get("pose", Pose())
-        parts = {"drive": drive, "sensors": sensors, "pose": pose}
-        values["errors"] = read_deviations(node.child("errors"), parts, _unread(node, registry))
+        of = {"drive": drive, "sensors": sensors, "pose": pose}
+        values["errors"] = read_deviations(node.child("errors"), of, _unread(node, registry))
     if drive is not None:
         _check_sizes(node, drive, sensors)
     if not is_incomplete:
