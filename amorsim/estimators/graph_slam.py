@@ -23,7 +23,7 @@ from amorsim.contracts import (
 from amorsim.estimators.map_area import MapArea, area_of, area_origins, log_odds_evidence, map_beliefs
 from amorsim.estimators.node_graph import NodeGraph, empty_nodes, loops_of, near_nodes
 from amorsim.estimators.scan_tracking import ScanTracker
-from amorsim.estimators.scans import beams_of, mounts_of
+from amorsim.estimators.scans import beams_of
 from amorsim.kernels.mapping import occupancy
 from amorsim.kernels.mapping.nodes import add_nodes
 from amorsim.kernels.mapping.scan_cells import window_for
@@ -150,7 +150,7 @@ class GraphSlam(MapArea, ScanTracker):
         scans = self._outlines_of(robot, row, state["node_ranges"][row, [near, graph.count - 1]])
         room = self._room(robot)
         room.start[:] = graph.relative(near, graph.count - 1)
-        fit = tracking.align_outlines(scans, mounts_of(robot, self.laser)[row], rules, room)
+        fit = tracking.align_outlines(scans, rules, room)
         found = room.result
         is_good = fit >= self.loop_fit and found.quality[0] >= self.loop_share
         if not is_good or found.values[0] < self.degenerate * found.values[2]:

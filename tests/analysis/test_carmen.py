@@ -18,7 +18,6 @@ import amorsim as am
 from amorsim.analysis import read_log
 from amorsim.analysis.carmen import read_carmen
 from amorsim.core.errors import AnalysisError
-from amorsim.estimators import ScanMatching
 from tests import building
 
 SHARED = Path(__file__).resolve().parents[3] / "shared" / "maps" / "logs"
@@ -169,31 +168,3 @@ def test_real_logs_are_read_whole(name: str, scans: int) -> None:
     assert times == sorted(times)
     odometry = np.array([one.odometry for one in messages if one.kind == "ODOM"])
     assert np.hypot(*np.diff(odometry[:, :2], axis=0).T).max() < 1.0  # it drives, and does not jump
-
-
-@pytest.mark.long
-@pytest.mark.skipif(not SHARED.exists(), reason="there are no shared logs")
-def test_few_scans_of_a_real_log_are_matched_wrongly() -> None:
-    """The wheels alone are off by more than 0.3 m or 5 degrees in 218 of the 909 increments."""
-    laser = am.MountedSensor(sensor=am.sensors.Laser(beams=180, fov=math.radians(179.0), range_max=50.0))
-    model = am.load_robot("pioneer2dx", pose=am.Pose())
-    with_laser = attrs.evolve(model, sensors={"encoder": model.sensors["encoder"], "laser": laser})
-    runner = am.EstimatorRunner(with_laser, ScanMatching(wheel_variance=2e-3, range_std=0.02))
-    found = []
-    for entry in read_log(SHARED / "intel.gfs.log.gz", with_laser):
-        estimate = runner.update(*entry)
-        if "laser" in entry[1]:
-            found.append(estimate.pose)
-    corrected = corrected_poses(SHARED / "intel.gfs.log.gz")
-    off = am.relative(np.array(found[:-1]), np.array(found[1:])) - am.relative(corrected[:-1], corrected[1:])
-    wrong = (np.hypot(off[:, 0], off[:, 1]) > 0.3) | (np.abs(am.wrap_angle(off[:, 2])) > math.radians(5.0))
-    assert len(found) == 910
-    assert wrong.sum() <= 8  # 4 as measured
-
-
-def corrected_poses(path: Path) -> Any:
-    """The poses (n, 3) that FLASER lines have, which a particle filter has corrected."""
-    with gzip.open(path, "rt") as file:
-        lines = [line.split() for line in file if line.startswith("FLASER")]
-    lines.sort(key=lambda words: float(words[-3]))  # their times
-    return np.array([[float(word) for word in words[2 + int(words[1]) :][:3]] for words in lines])

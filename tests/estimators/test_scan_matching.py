@@ -85,7 +85,7 @@ def test_the_matched_scan_lies_on_the_walls():
 
 
 def test_a_match_with_few_points_on_the_key_is_refused():
-    sim = am.Simulation(scenario(matched=matching(least_fit=1.0)))
+    sim = am.Simulation(scenario(matched=matching(least_share=1.0)))
     used = []
     for _ in range(40):
         sim.step()

@@ -14,27 +14,12 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.kernels.compile import kernel, part
+from amorsim.kernels.compile import kernel
 from amorsim.kernels.kinematics.poses import wrap
 from amorsim.kernels.matching.outlines import Outline
 from amorsim.kernels.matching.symmetric import eigen, solve
-from amorsim.kernels.sorting import sort
 
-__all__ = [
-    "Prior",
-    "Reference",
-    "Result",
-    "Search",
-    "Work",
-    "align",
-    "fisher",
-    "index",
-    "no_prior",
-    "refer",
-    "reference",
-    "result",
-    "work",
-]
+__all__ = ["Prior", "Result", "Search", "Work", "align", "fisher", "no_prior", "result", "work"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -43,15 +28,6 @@ _BEYOND = 2.0
 _GRAZING = 0.05  # added to the squared cosine of the incidence, as lines are never exact
 _UNDETERMINED = 1e-8  # eigenvalues below this part of the largest tell nothing
 _SLANT = 1e-3  # least cosine of the incidence in Fisher's information
-
-
-class Reference(NamedTuple):
-    """What scans are laid on, in the frame of a robot: points and short lines, nan beyond the last."""
-
-    points: Floats  # (s, 2) [m]
-    lines: Floats  # (s, 4) as of `Outline`
-    order: npt.NDArray[np.int64]  # (s,) the lines by their x
-    along: Floats  # (s,) [m] x in that order, inf beyond the last
 
 
 class Search(NamedTuple):
@@ -91,29 +67,6 @@ class Work(NamedTuple):
     numbers: Floats  # (3, 3): values, right side, step
 
 
-def reference(size: int) -> Reference:
-    """Room for a reference of so many points."""
-    return Reference(np.full((size, 2), np.nan), np.full((size, 4), np.nan), np.arange(size), np.full(size, math.inf))
-
-
-@kernel
-def refer(scan: Outline, out: Reference) -> None:
-    """Let a scan be the reference."""
-    out.points[:] = scan.points
-    out.lines[:] = scan.lines
-    index(out)
-
-
-@part
-def index(out: Reference) -> None:
-    """Put the lines of a reference in order."""
-    for j in range(out.along.shape[0]):
-        x = out.lines[j, 0]
-        out.along[j] = math.inf if math.isnan(x) else x
-        out.order[j] = j
-    sort(out.along, out.order)
-
-
 def work(beams: int) -> Work:
     """Room for one alignment."""
     return Work(
@@ -136,36 +89,8 @@ def no_prior() -> Prior:
     return Prior(np.zeros(3), np.zeros((3, 3)))
 
 
-@part
-def _nearest(reference: Reference, x: float, y: float, u: float, v: float, farthest: float) -> tuple[int, float]:
-    """The line nearest to a point, on the side that a beam (u, v) hits, or -1; and the square of its distance."""
-    least = farthest * farthest
-    best = -1
-    size = reference.along.shape[0]
-    right = int(np.searchsorted(reference.along, x))
-    left = right - 1
-    while True:
-        before = x - reference.along[left] if left >= 0 else math.inf
-        after = reference.along[right] - x if right < size else math.inf
-        aside = min(before, after)
-        if not aside * aside < least:
-            return best, least
-        if before < after:
-            j = reference.order[left]
-            left -= 1
-        else:
-            j = reference.order[right]
-            right += 1
-        line = reference.lines[j]
-        across = y - line[1]
-        square = aside * aside + across * across
-        if square < least and line[2] * u + line[3] * v < 0.0:
-            least = square
-            best = int(j)
-
-
 @kernel
-def _pair(reference: Reference, scan: Outline, pose: Floats, farthest: float, at: Work) -> int:
+def _pair(reference: Outline, scan: Outline, pose: Floats, farthest: float, at: Work) -> int:
     """Pair each point with the nearest line's point; -1 where none is near. Returns how many points there are."""
     c = math.cos(pose[2])
     s = math.sin(pose[2])
@@ -180,9 +105,15 @@ def _pair(reference: Reference, scan: Outline, pose: Floats, farthest: float, at
         py = scan.points[i, 1]
         x = pose[0] + c * px - s * py
         y = pose[1] + s * px + c * py
-        u = c * scan.rays[i, 0] - s * scan.rays[i, 1]
-        v = s * scan.rays[i, 0] + c * scan.rays[i, 1]
-        best, least = _nearest(reference, x, y, u, v, farthest)
+        least = farthest * farthest
+        best = -1
+        for j in range(reference.lines.shape[0]):
+            dx = x - reference.lines[j, 0]
+            dy = y - reference.lines[j, 1]
+            square = dx * dx + dy * dy
+            if square < least:  # never for nan
+                least = square
+                best = j
         if best >= 0:
             at.pairs[i] = best
             at.apart[i] = least
@@ -199,7 +130,7 @@ def _pair(reference: Reference, scan: Outline, pose: Floats, farthest: float, at
 
 @kernel
 def _sum_up(
-    reference: Reference, scan: Outline, pose: Floats, std: float, at: Work, information: Floats
+    reference: Outline, scan: Outline, pose: Floats, std: float, at: Work, information: Floats
 ) -> tuple[int, float]:
     """Sum the pairs' information, and their pull into ``at.numbers[1]``; returns their number and squared distance."""
     c = math.cos(pose[2])
@@ -240,7 +171,7 @@ def _sum_up(
 
 @kernel
 def align(
-    reference: Reference, scan: Outline, start: Floats, prior: Prior, search: Search, at: Work, out: Result
+    reference: Outline, scan: Outline, start: Floats, prior: Prior, search: Search, at: Work, out: Result
 ) -> None:
     """Align a scan with a reference, from a pose `start` (3,) in the reference's frame.
 

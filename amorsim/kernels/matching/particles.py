@@ -54,7 +54,7 @@ class Weighing(NamedTuple):
 class Workshop(NamedTuple):
     """Room for one particle's match."""
 
-    reference: icp.Reference
+    reference: Outline
     scan: Outline
     chosen: Ints  # (references,)
     work: icp.Work
@@ -69,7 +69,7 @@ def workshop(beams: int, references: int, every: int) -> Workshop:
     """Room for one particle's match of scans of so many beams."""
     few = (beams + every - 1) // every
     return Workshop(
-        icp.reference(beams * references),
+        new_outline(beams * references),
         new_outline(few),
         np.empty(references, np.int64),
         icp.work(few),
@@ -227,7 +227,6 @@ def _place_lines(lines: Floats, path: Floats, found: int, at: Workshop) -> None:
             at.reference.lines[m * k + i, 1] = path[node, 1] + s * x + c * y
             at.reference.lines[m * k + i, 2] = c * nx - s * ny
             at.reference.lines[m * k + i, 3] = s * nx + c * ny
-    icp.index(at.reference)
 
 
 @part
