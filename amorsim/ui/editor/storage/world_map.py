@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from amorsim.core.errors import DocumentError
 from amorsim.scenario.documents.document import Document
-from amorsim.scenario.documents.elsewhere import near
+from amorsim.scenario.documents.elsewhere import named_files, near
 from amorsim.ui.editor.inspectors.walls import EMPTY_WORLD, WallsError, world_of
 from amorsim.ui.editor.storage.bitmaps import SUFFIXES, shape_of
 from amorsim.ui.editor.storage.files import FilesError
@@ -116,13 +116,15 @@ class WorldMap:
         return path is not None and path.suffix == ".wld" and path in files and files[path].saved is None
 
     def rename(self, stem: str) -> None:
-        """Give walls that are in no file yet another name."""
-        old = self.file
+        """Give walls that are in no file yet another name, wherever the scenario names them."""
+        work, old = self._work, self.file
         assert old is not None
-        text, new = self._work.files[old].text, self.free_file(stem)
-        self._work.files.begin(new, "")
-        self._work.files[new].text = text
-        self._work.document.set("world.map", new.name)
+        text, new = work.files[old].text, self.free_file(stem)
+        work.files.begin(new, "")
+        work.files[new].text = text
+        for named in named_files(work.document.values, work.registry, work.here):
+            if work.here / named.name == old:
+                work.document.set(".".join(map(str, named.at)), named.said(new.name))
 
     def free_file(self, stem: str = "") -> Path:
         """A line world next to the scenario that is not there yet, named after it or otherwise."""
