@@ -15,7 +15,7 @@ pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its
 
 @pytest.fixture(scope="module")
 def editor(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Editor]:
-    """An Editor with a room, in which all that a test draws is undone after it."""
+    """An Editor with an empty page; all that a test draws is undone after it."""
     one = Editor(browser, tmp_path_factory.mktemp("drawing"))
     yield one
     one.close()
