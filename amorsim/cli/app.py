@@ -33,6 +33,7 @@ from amorsim.cli import (
     report,
     reproduce,
     run,
+    schema,
     sweep,
     umbmark,
     view,
@@ -103,6 +104,7 @@ app.command("umbmark", short_help="Measure and correct a differential drive by s
 app.command("calibrate", short_help="Find the errors of a gyro, a compass or a range sensor.")(calibrate.command)
 app.command("explain-errors", short_help="Show what each error does to odometry.")(explain.command)
 app.command("new", short_help="Make a scenario, a controller and a map to start from.")(new.command)
+app.command("schema", short_help="Print the JSON Schema of scenarios, studies or rubrics.")(schema.command)
 app.add_typer(plugins.app, name="plugins", short_help="List all components, or show the manual of one.")
 
 

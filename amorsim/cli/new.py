@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from importlib import resources
 from pathlib import Path
@@ -18,6 +19,8 @@ __all__ = ["command"]
 
 SCENARIO = "scenario.toml"
 _FILES = (SCENARIO, "controller.py", "rooms.wld")
+_SCHEMA = "scenario.schema.json"
+_SCHEMA_LINE = f"#:schema {_SCHEMA}\n"
 
 
 def command(
@@ -55,7 +58,7 @@ def command(
         _make_package(folder, plugin)
         return
     wanted = _FILES if source is None else (SCENARIO,)
-    _refuse_to_replace(folder, wanted)
+    _refuse_to_replace(folder, (*wanted, _SCHEMA))
     document = None
     if source is not None:
         from amorsim.scenario.documents.document import open_document
@@ -71,7 +74,18 @@ def command(
         for name in _FILES:
             write_text(folder / name, (template / name).read_text(encoding="utf-8"))
         made = ", ".join(_FILES)
-    say(f"made {made} in {folder}; now: amorsim run {folder / SCENARIO}")
+    _add_schema(folder)
+    say(f"made {made} and {_SCHEMA} in {folder}; now: amorsim run {folder / SCENARIO}")
+
+
+def _add_schema(folder: Path) -> None:
+    """Write the schema of scenarios, and name it in the scenario's first line, where editors look for it."""
+    from amorsim.schemas import make_schema
+
+    write_text(folder / _SCHEMA, json.dumps(make_schema("scenario")))
+    text = (folder / SCENARIO).read_text(encoding="utf-8")
+    if not text.startswith("#:schema"):
+        write_text(folder / SCENARIO, _SCHEMA_LINE + text)
 
 
 def _refuse_to_replace(folder: Path, names: Sequence[str]) -> None:

@@ -21,6 +21,7 @@ __all__ = [
     "COMPONENTS",
     "FRAMES",
     "LARGEST",
+    "LARGEST_WHOLE",
     "REFERS",
     "SMALLEST",
     "Parameter",
@@ -35,7 +36,8 @@ LARGEST = 1e12
 """No number of a component is larger, whatever its unit: squares and products of such numbers keep all their digits."""
 SMALLEST = 1e-12
 """No number that must be above 0 is smaller."""
-_LARGEST_WHOLE = 2**53  # for those without bounds of their own
+LARGEST_WHOLE = 2**53
+"""No whole number without bounds of its own is larger."""
 
 FRAMES = ("world", "body")
 """The possible values of a parameter's `frame`."""
@@ -288,7 +290,7 @@ def _of_one(expected: Parameter, kind: Any, value: Any) -> str:
         high = (expected.lt is None or value < expected.lt) and (expected.le is None or value <= expected.le)
         if not (low and high):
             return _wrong(expected, value)
-        largest = _LARGEST_WHOLE if kind is int else LARGEST
+        largest = LARGEST_WHOLE if kind is int else LARGEST
         if abs(value) > largest and expected.le is None and expected.lt is None:
             return f"expected {expected.expectation}, of {largest:g} at the most, got {in_words(value)}"
         if expected.gt == 0 and value < SMALLEST:

@@ -45,8 +45,12 @@ def test_check_prints_a_resolved_scenario_that_runs_as_it_is(amorsim: Command, s
 def test_new_begins_with_a_scenario_that_is_there(amorsim: Command, tmp_path: Path) -> None:
     result = amorsim("new", "mine", "--from", "demo", "--copy")
     assert result.status == 0, result.err
-    assert sorted(path.name for path in Path("mine").iterdir()) == ["office.wld", "scenario.toml"]
-    assert "made office.wld, scenario.toml in mine" in result.out
+    assert sorted(path.name for path in Path("mine").iterdir()) == [
+        "office.wld",
+        "scenario.schema.json",
+        "scenario.toml",
+    ]
+    assert "made office.wld, scenario.toml and scenario.schema.json in mine" in result.out
     assert amorsim("check", "mine/scenario.toml").status == 0
     assert amorsim("new", "near", "--from", "mine/scenario.toml").status == 0
     text = Path("near/scenario.toml").read_text(encoding="utf-8")
@@ -62,7 +66,8 @@ def test_new_begins_with_a_scenario_that_is_there(amorsim: Command, tmp_path: Pa
 def test_new_makes_what_runs_and_replaces_nothing(amorsim: Command, tmp_path: Path) -> None:
     result = amorsim("new", "deep/mine")
     assert result.out == (
-        "made scenario.toml, controller.py, rooms.wld in deep/mine; now: amorsim run deep/mine/scenario.toml\n"
+        "made scenario.toml, controller.py, rooms.wld and scenario.schema.json in deep/mine; "
+        "now: amorsim run deep/mine/scenario.toml\n"
     )
     assert amorsim("run", "deep/mine/scenario.toml", "--out", "run").status == 0
     result = amorsim("reproduce", "run")

@@ -73,6 +73,6 @@ def test_a_stage_world_becomes_a_scenario_of_ones_own(amorsim, world, tmp_path) 
     result = amorsim("new", "mine", "--from", world, "--copy")
     assert result.status == 0, result.err
     text = (tmp_path / "mine" / "scenario.toml").read_text()
-    assert text.startswith("# From room.world.\n")
+    assert text.startswith("#:schema scenario.schema.json\n# From room.world.\n")
     assert amorsim("check", "mine/scenario.toml").status == 0
     assert world.read_text() == WORLD
