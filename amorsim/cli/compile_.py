@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from amorsim.cli.console import compile_all, say
+from amorsim.core.errors import AmorsimError
 
 __all__ = ["command"]
 
@@ -32,18 +33,25 @@ def command(
         compile_all(quiet, more=True)
         return
     from amorsim.core.atomic_files import check_place
-    from amorsim.runs.kernel_archive import misfit, pack_kernels, unpack_kernels
+    from amorsim.kernels.archive import ArchiveError, misfit, pack_kernels, unpack_kernels
+    from amorsim.kernels.cache_folder import cache_folder
 
-    if archive.exists():
-        why = misfit(archive)
-        if not why:
-            unpack_kernels(archive)
-            _say(f"took the compiled kernels from {archive}", quiet)
-            return
-        _say(f"{archive} does not fit and is written anew: {why}", quiet)
-    check_place(archive)
-    compile_all(quiet, more=True)
-    pack_kernels(archive)
+    folder = cache_folder()
+    if folder is None:
+        raise AmorsimError("no folder can be written for compiled kernels; set NUMBA_CACHE_DIR to one that can")
+    try:
+        if archive.exists():
+            why = misfit(folder, archive)
+            if not why:
+                unpack_kernels(folder, archive)
+                _say(f"took the compiled kernels from {archive}", quiet)
+                return
+            _say(f"{archive} does not fit and is written anew: {why}", quiet)
+        check_place(archive)
+        compile_all(quiet, more=True)
+        pack_kernels(folder, archive)
+    except ArchiveError as error:
+        raise AmorsimError(str(error)) from None
     _say(f"wrote the compiled kernels to {archive}", quiet)
 
 

@@ -29,11 +29,11 @@ def python_command(code: str, path: Sequence[str] | None = None) -> list[str]:
 
 def end_with_children(process: subprocess.Popen[bytes]) -> None:
     """End a process that was started with ``start_new_session=True``, and all processes that it has started."""
-    if os.name == "nt":
-        subprocess.run(["taskkill", "/F", "/T", "/PID", str(process.pid)], capture_output=True, check=False)
-    else:
+    if hasattr(os, "killpg"):
         with contextlib.suppress(ProcessLookupError, PermissionError):
             os.killpg(process.pid, signal.SIGKILL)
+    elif os.name == "nt":
+        subprocess.run(["taskkill", "/F", "/T", "/PID", str(process.pid)], capture_output=True, check=False)
     with contextlib.suppress(OSError):
         process.kill()
     process.wait()

@@ -4,7 +4,7 @@ numba's cache looks only at the file of the function that it loads. A change in 
 leave old machine code in use. So the folder is named after a digest of all kernels' sources, and numba's version.
 
 Within it, compiled code lies as its sources lie in the package, whatever folder that is installed in. So the folder can
-be copied to another installation (`amorsim.runs.kernel_archive`).
+be copied to another installation (`amorsim.kernels.archive`).
 """
 
 from __future__ import annotations
@@ -21,6 +21,8 @@ from pathlib import Path
 from typing import Any
 
 import numba
+
+from amorsim.kernels.archive import take_installed
 
 __all__ = ["KernelLocator", "cache_folder", "is_cold", "mark_warm"]
 
@@ -40,6 +42,7 @@ def cache_folder() -> Path | None:
             continue
         if _is_private(folder):
             _forget_old(parent, folder)
+            take_installed(folder)
             return folder
     warnings.warn(
         "no folder can be written for compiled kernels, so every start compiles them again (about a minute); "
