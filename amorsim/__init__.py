@@ -136,6 +136,7 @@ if TYPE_CHECKING:
     from amorsim.simulation.simulation import Simulation
     from amorsim.sweeps.sweep import sweep
     from amorsim.sweeps.table import Study, read_study
+    from amorsim.ui.notebook.widget import widget
     from amorsim.ui.run_page.document import run_page
     from amorsim.ui.view import view
 
@@ -187,6 +188,7 @@ _MODULES = {
     "amorsim.simulation.noise_stages": "KeptStages Stage keep_stages",
     "amorsim.sweeps.sweep": "sweep",
     "amorsim.sweeps.table": "Study read_study",
+    "amorsim.ui.notebook.widget": "widget",
     "amorsim.ui.run_page.document": "run_page",
     "amorsim.ui.view": "view",
 }
@@ -329,6 +331,7 @@ __all__ = [
     "sweep",
     "testing",
     "view",
+    "widget",
     "worlds",
     "wrap_angle",
 ]

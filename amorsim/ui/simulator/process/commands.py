@@ -83,7 +83,7 @@ class Commands(Watching):
         self.player.reset()
 
     def _parameters(self, command: Table) -> Answer:
-        robot = self._robot(command)
+        robot = self.robot_of(command)
         simulation = self.player.simulation
         handle = simulation.robot(robot)
         return {
@@ -113,10 +113,10 @@ class Commands(Watching):
         self.player.give(Input(tick=self.player.tick, do=do, robot=robot, value=value, path=path))
 
     def _hand_over(self, command: Table) -> None:
-        self._give("hand_over", self._robot(command), command.get("to", "hand"))
+        self._give("hand_over", self.robot_of(command), command.get("to", "hand"))
 
     def _drive(self, command: Table) -> Answer:
-        robot = self._robot(command)
+        robot = self.robot_of(command)
         parts = [self._number(command, part, 0.0) for part in ("forward", "turn", "left")]
         channels = self.player.simulation.robot(robot).command_for(*parts)
         self._give("command", robot, channels)
@@ -128,7 +128,7 @@ class Commands(Watching):
             isinstance(part, (int, float)) and not isinstance(part, bool) for part in channels
         ):
             raise AmorsimError(f"channels: expected a list of numbers, got {channels!r}")
-        self._give("command", self._robot(command), [float(part) for part in channels])
+        self._give("command", self.robot_of(command), [float(part) for part in channels])
 
     def _stop(self, command: Table) -> None:
         """Let robots stand: what is stopped when a window loses the keyboard, or is gone."""
@@ -136,7 +136,7 @@ class Commands(Watching):
             return
         simulation = self.player.simulation
         if command.get("robot") is not None:
-            names = [self._robot(command)]
+            names = [self.robot_of(command)]
         else:
             names = [simulation.names[i] for i in np.flatnonzero(simulation.by_hand).tolist()]
         for name in names:
@@ -147,7 +147,7 @@ class Commands(Watching):
     # ------------------------------------------------------------------------------------------------------ parameters
 
     def _set(self, command: Table) -> Answer:
-        robot, path = self._robot(command), str(command.get("path"))
+        robot, path = self.robot_of(command), str(command.get("path"))
         self._give("set", robot, self._given(robot, path, command.get("value")), path)
         return {"value": plain(_value_at(self.player.simulation.robot(robot).nominal, path))}
 
@@ -164,7 +164,7 @@ class Commands(Watching):
 
     def _restore(self, command: Table) -> None:
         """Set changed values to the scenario's: all of a robot, or those at a path and below."""
-        robot = self._robot(command)
+        robot = self.robot_of(command)
         specified = self._specified(robot)
         paths = [path for name, path in self.player.changes if name == robot]
         if (wanted := command.get("path")) is not None:
@@ -185,13 +185,13 @@ class Commands(Watching):
         return next(one for one in self.player.simulation.scenario.robots if one.name == robot)
 
     def _noises(self, command: Table) -> Answer:
-        nominal = self.player.simulation.robot(self._robot(command)).nominal
+        nominal = self.player.simulation.robot(self.robot_of(command)).nominal
         said = command.get("value")
         return {"choices": noises_for(nominal, _chain_path(command), said if isinstance(said, dict) else None)}
 
     def _add(self, command: Table) -> Answer:
         """Put an element into a chain of noise."""
-        robot, path, value = self._robot(command), _chain_path(command), command.get("value")
+        robot, path, value = self.robot_of(command), _chain_path(command), command.get("value")
         if not isinstance(value, dict):
             raise AmorsimError(f"value: expected a table, as {{'use': 'gaussian', 'std': 0.01}}, got {value!r}")
         index = None if command.get("index") is None else self._whole(command, "index")
@@ -202,7 +202,7 @@ class Commands(Watching):
 
     def _remove(self, command: Table) -> None:
         """Take an element out of a chain of noise."""
-        robot = self._robot(command)
+        robot = self.robot_of(command)
         path, tables = without(self.player.simulation.robot(robot).nominal, str(command.get("path")))
         self._give("set", robot, tables, path)
 

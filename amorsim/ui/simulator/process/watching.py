@@ -78,7 +78,8 @@ class Watching(abc.ABC):
 
     # ------------------------------------------------------------------------------------------------------- arguments
 
-    def _robot(self, command: Table) -> str:
+    def robot_of(self, command: Table) -> str:
+        """The name of the robot that a command means."""
         names = self.source.names
         robot = command.get("robot")
         if isinstance(robot, int) and not isinstance(robot, bool) and 0 <= robot < len(names):
@@ -145,7 +146,7 @@ class Watching(abc.ABC):
         return self.pace.achieved(time.monotonic()) if self.is_running else 0.0
 
     def _history(self, command: Table) -> Answer:
-        robot = self.source.names.index(self._robot(command))
+        robot = self.source.names.index(self.robot_of(command))
         most = self._whole(command, "max_points", 1000)
         ticks, poses, past = self.source.track(robot, most)
         true, estimated = poses[:, :3].tolist(), poses[:, 3:].tolist()
@@ -165,11 +166,11 @@ class Watching(abc.ABC):
 
     def _mapped(self, command: Table) -> Answer:
         source = self.source
-        return {"mapped": source.mapped(self._robot(command)), "epoch": source.epoch, "tick": source.tick}
+        return {"mapped": source.mapped(self.robot_of(command)), "epoch": source.epoch, "tick": source.tick}
 
     def _intended(self, command: Table) -> Answer:
         source = self.source
-        return {"intended": source.intended(self._robot(command)), "epoch": source.epoch, "tick": source.tick}
+        return {"intended": source.intended(self.robot_of(command)), "epoch": source.epoch, "tick": source.tick}
 
     # ------------------------------------------------------------------------------------------------------------ time
 

@@ -31,7 +31,7 @@ class Player(Simulated):
     Parameters
     ----------
     simulation
-        At its start, of one replica.
+        Of one replica. Its past begins where it is.
     out
         The folder that it is written into as it goes; with a number after it when it begins again, or goes on from an
         earlier moment.
@@ -54,13 +54,14 @@ class Player(Simulated):
     # ------------------------------------------------------------------------------------------------------ beginnings
 
     def _begin(self, simulation: Simulation) -> None:
-        """Take a simulation at its start for the present."""
+        """Take a simulation, as it is, for the present, and for the beginning of its past."""
         self._end_writing()
         self.simulation = simulation
-        self.paths = Paths(len(simulation.names))
-        self.snapshots = Snapshots()
+        self._first = simulation.tick
+        self.paths = Paths(len(simulation.names), first=self._first)
+        self.snapshots = Snapshots(first=self._first)
         self.pasts = Pasts(simulation)
-        self._newest = 0
+        self._newest = self._first
         self._is_past = False
         self._present = self._before = self.poses_only = self.fault = None
         self._story = Story()
@@ -147,7 +148,7 @@ class Player(Simulated):
 
         It is simulated again from the nearest snapshot. Where there are none, only poses are known.
         """
-        wanted = self._newest if tick is None else min(max(0, tick), self._newest)
+        wanted = self._newest if tick is None else min(max(self._first, tick), self._newest)
         if wanted == self._newest:
             self._to_present()
             return wanted
@@ -170,7 +171,7 @@ class Player(Simulated):
 
     def _go_to(self, tick: int, notice: Notice | None = None) -> None:
         nearest = self.snapshots.before(tick)
-        assert nearest is not None  # that of tick 0 is never let go
+        assert nearest is not None  # the first is never let go
         self.simulation.restore(nearest[1])
         self._before = None
         for now in self.inputs.replay(self.simulation, tick):

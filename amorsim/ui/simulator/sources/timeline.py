@@ -25,24 +25,29 @@ FIRST_STRIDE = 50  # ticks between snapshots, at first
 
 
 class Paths:
-    """True and estimated poses of all robots; every tick at first, every second when there are too many, and so on."""
+    """True and estimated poses of all robots; every tick at first, every second when there are too many, and so on.
 
-    def __init__(self, robots: int, most_bytes: int = MOST_BYTES_OF_PATHS) -> None:
+    They begin at the tick `first`.
+    """
+
+    def __init__(self, robots: int, most_bytes: int = MOST_BYTES_OF_PATHS, *, first: int = 0) -> None:
+        self._first = first
         self._most = max(4, min(MOST_MOMENTS, most_bytes // (24 * max(robots, 1))))
         self._kept = np.empty((min(1024, self._most), robots, 6), dtype=np.float32)
         self._count = 0
         self.stride = 1
-        self.newest = 0
+        self.newest = first
 
     def keep(self, tick: int, true: Array, estimated: Array) -> None:
         """Keep the poses `(R, 3)` of a tick; ticks come in order."""
         self.newest = tick
-        if tick % self.stride:
+        since = tick - self._first
+        if since % self.stride:
             return
         if self._count == len(self._kept):
             if self._count >= self._most:
                 self._thin()
-                if tick % self.stride:
+                if since % self.stride:
                     return
             else:
                 self._kept.resize((min(2 * self._count, self._most), *self._kept.shape[1:]), refcheck=False)
@@ -57,8 +62,8 @@ class Paths:
 
     def at(self, tick: int) -> tuple[int, npt.NDArray[np.float32]]:
         """The last tick at or before `tick` that was kept, and its poses: true, then estimated `(R, 6)`."""
-        place = max(0, min(tick // self.stride, self._count - 1))
-        return place * self.stride, self._kept[place]
+        place = max(0, min((tick - self._first) // self.stride, self._count - 1))
+        return self._first + place * self.stride, self._kept[place]
 
     @property
     def kept(self) -> npt.NDArray[np.float32]:
@@ -72,7 +77,7 @@ class Paths:
 
     def cut(self, tick: int) -> None:
         """Forget what came after `tick`."""
-        self._count = min(self._count, tick // self.stride + 1)
+        self._count = min(self._count, (tick - self._first) // self.stride + 1)
         self.newest = min(self.newest, tick)
 
     def copy(self) -> Paths:
@@ -86,13 +91,19 @@ class Paths:
         every = max(1, -(-self._count // max(most, 2)))
         # From the end, so that a path ends where its robot is.
         places = np.arange(self._count - 1, -1, -every)[::-1]
-        return (places * self.stride).tolist(), self._kept[places, robot].astype(float)
+        return (self._first + places * self.stride).tolist(), self._kept[places, robot].astype(float)
 
 
 class Snapshots:
-    """Snapshots by tick, further apart the longer a simulation runs; or the reason why there are none."""
+    """Snapshots by tick, further apart the longer a simulation runs; or the reason why there are none.
 
-    def __init__(self, most_bytes: int = MOST_BYTES_OF_SNAPSHOTS, stride: int = FIRST_STRIDE) -> None:
+    They begin at the tick `first`.
+    """
+
+    def __init__(
+        self, most_bytes: int = MOST_BYTES_OF_SNAPSHOTS, stride: int = FIRST_STRIDE, *, first: int = 0
+    ) -> None:
+        self._first = first
         self._held: dict[int, Snapshot] = {}
         self._most_bytes = most_bytes
         self._most = MOST_SNAPSHOTS
@@ -101,7 +112,7 @@ class Snapshots:
 
     def keep(self, simulation: Simulation, tick: int) -> None:
         """Take a snapshot if one is due at this tick, before anything is given to the simulation at it."""
-        if self.reason or tick % self.stride:
+        if self.reason or (tick - self._first) % self.stride:
             return
         try:
             self._held[tick] = simulation.snapshot()
@@ -114,7 +125,7 @@ class Snapshots:
             self._most = max(2, min(MOST_SNAPSHOTS, self._most_bytes // size))
         if len(self._held) > self._most:
             self.stride *= 2
-            self._held = {at: snapshot for at, snapshot in self._held.items() if at % self.stride == 0}
+            self._held = {at: snapshot for at, snapshot in self._held.items() if (at - self._first) % self.stride == 0}
 
     def before(self, tick: int) -> tuple[int, Snapshot] | None:
         """The last snapshot at or before a tick."""

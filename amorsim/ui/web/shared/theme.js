@@ -21,22 +21,46 @@ export function readTheme(element) {
   return theme;
 }
 
-/** Follow the system's light or dark, or what the user chose last. */
+const KEPT = "amorsim-theme";
+/** @type {string | null} */
+let chosen = null; // where nothing may be stored, as in a notebook
+
+function keptTheme() {
+  try {
+    return localStorage.getItem(KEPT);
+  } catch {
+    return chosen;
+  }
+}
+
+/** @param {string} theme */
+function keepTheme(theme) {
+  chosen = theme;
+  try {
+    localStorage.setItem(KEPT, theme);
+  } catch {
+    // It holds for this page alone.
+  }
+}
+
+/** Follow what the user chose last, or else the page around this one (`data-around` and an event of that name), or the
+ * system's light or dark.
+ * @param {Element} root */
 export function startTheme(root) {
-  const kept = localStorage.getItem("amorsim-theme");
+  const page = document.documentElement;
   const system = window.matchMedia("(prefers-color-scheme: dark)");
   const apply = () => {
-    const chosen = localStorage.getItem("amorsim-theme");
-    const dark = chosen ? chosen === "dark" : system.matches;
-    document.documentElement.dataset.theme = dark ? "dark" : "light";
+    const kept = keptTheme();
+    const wanted = kept === "dark" || kept === "light" ? kept : page.dataset.around;
+    const dark = wanted ? wanted === "dark" : system.matches;
+    page.dataset.theme = dark ? "dark" : "light";
     root.dispatchEvent(new CustomEvent("theme"));
   };
   system.addEventListener("change", apply);
-  if (kept !== "dark" && kept !== "light") localStorage.removeItem("amorsim-theme");
+  page.addEventListener("around", apply);
   apply();
   return () => {
-    const dark = document.documentElement.dataset.theme === "dark";
-    localStorage.setItem("amorsim-theme", dark ? "light" : "dark");
+    keepTheme(page.dataset.theme === "dark" ? "light" : "dark");
     apply();
   };
 }

@@ -50,7 +50,7 @@ export function build({ stage, timebar, driving, form, replay }) {
       "div",
       { class: "menu" },
       make("editor", h("button", { hidden: true, title: "back to the Editor, where all is as it was" }, "← edit")),
-      make("saveRun", h("button", { class: "holders-only live-only" }, "save run")),
+      make("saveRun", h("button", { class: "holders-only live-only server-only" }, "save run")),
       make("saveScenario", h("button", { class: "holders-only live-only", title: "the scenario with its present parameters" }, "save as…")),
       make("picture", h("button", { title: "a picture of the view" }, "picture")),
       make("film", h("button", { class: "server-only", title: "record the view as a GIF", "aria-pressed": "false" }, "GIF")),

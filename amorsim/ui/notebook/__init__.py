@@ -1,0 +1,1 @@
+"""The Simulator within a notebook: a live widget for a simulation of the kernel."""
