@@ -105,6 +105,18 @@ def test_nothing_that_changes_something_is_shown(page: Window) -> None:
     expect(page.page.locator("dialog")).not_to_contain_text("drive")
 
 
+def test_the_page_of_the_run_is_downloaded_and_plays(page: Window, tmp_path: Path) -> None:
+    with page.page.expect_download() as saved:
+        page.page.get_by_role("button", name="page", exact=True).click()
+    file = tmp_path / saved.value.suggested_filename
+    saved.value.save_as(file)
+    other = page.page.context.new_page()
+    other.goto(file.as_uri())
+    Window(other).until("newest?.tick === 0")
+    assert Window(other).see("scene.recorded.replica") == page.see("scene.recorded.replica")
+    other.close()
+
+
 def test_another_replica_keeps_the_moment(page: Window, folder: Path) -> None:
     page.do(do="scrub", tick=40)
     page.until("newest.tick === 40")

@@ -34,6 +34,7 @@ LONGEST_SLEEP = 0.05  # [s]
 _ELSEWHERE = {
     "reload": "run the cell again that made this widget",
     "restart": "run the cell again that made this widget",
+    "page": "am.run_page makes a page of a run that am.run has recorded",
     "save_run": "runs are recorded by am.run; this simulation belongs to the notebook, which may have changed it",
     "replica": "this is one replica; make another simulation for another one",
 }

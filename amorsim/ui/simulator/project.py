@@ -70,7 +70,9 @@ class Saver:
         self._running: set[subprocess.Popen[str]] = set()
         self._is_closed = False
 
-    async def save(self, job: Mapping[str, Any], name: Any, scenario: str) -> dict[str, Any]:
+    async def save(
+        self, job: Mapping[str, Any], name: Any, scenario: str, *, within: Path | None = None
+    ) -> dict[str, Any]:
         """Let a process simulate the same again and write it down.
 
         Parameters
@@ -79,13 +81,16 @@ class Saver:
             ``inputs``, ``tick`` and ``digest``, as the child gives them.
         name
             Of the folder in the project's folder; None for a new one, after the scenario's name.
+        within
+            A folder in place of the project's.
 
         Raises
         ------
         AmorsimError
             If the folder cannot be written.
         """
-        folder = new_folder(scenario, self._project) if name is None else place_for(self._project, name)
+        project = within or self._project
+        folder = new_folder(scenario, project) if name is None else place_for(project, name)
         order = {"recipe": self._recipe.to_json(), "inputs": job["inputs"], "tick": job["tick"], "folder": str(folder)}
         out, log = await self._run(json.dumps(order) + "\n")
         try:

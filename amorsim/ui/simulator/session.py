@@ -14,6 +14,8 @@ from typing import Any, Self
 
 from amorsim.core.errors import AmorsimError, did_you_mean
 from amorsim.core.reading import is_file, is_there
+from amorsim.core.temporary_folders import temporary_folder
+from amorsim.ui.run_page.document import run_page
 from amorsim.ui.scene.wire import Scene
 from amorsim.ui.simulator.child_supervisor import ChildSupervisor
 from amorsim.ui.simulator.controls import Controls
@@ -30,7 +32,7 @@ Answer = dict[str, Any]
 
 # Commands of a robot, which they name or look at.
 _OF_ROBOT = ("parameters", "history", "mapped", "intended", "hand_over", "drive", "command", "set", "restore")
-_OWN = ("reload", "restart", "places", "save_run", "save_scenario")
+_OWN = ("reload", "restart", "places", "page", "save_run", "save_scenario")
 
 BETWEEN_LOOKS = 0.2  # [s], while an answer is waited for
 
@@ -227,6 +229,8 @@ class Session:
             return await supervisor.restart(command.get("without"))
         if name == "places":
             return {"ok": True, "project": str(self.project), **free_places(self.project, self.scene["scenario"])}
+        if name == "page":
+            return {"ok": True, "page": await self._page()}
         if name == "save_run":
             job = await supervisor.demand({"do": "job"})
             answer = await self._saver.save(job, command.get("name"), self.scene["scenario"])
@@ -238,6 +242,19 @@ class Session:
         await supervisor.demand({"do": "write_scenario", "file": str(file)})
         supervisor.remark("saved", f"the scenario was saved as {file.relative_to(self.project)}")
         return {"ok": True, "file": str(file)}
+
+    async def _page(self) -> str:
+        """The run as one HTML file that plays by itself; a simulation's is simulated again up to its newest moment."""
+        with temporary_folder("page") as folder:
+            run, replica = Path(self.recipe.name), None
+            if self.recipe.is_recorded:
+                replica = self.scene["recorded"]["replica"]
+            else:
+                job = await self._supervisor.demand({"do": "job"})
+                await self._saver.save(job, "run", self.scene["scenario"], within=folder)
+                run = folder / "run"
+            page = await asyncio.to_thread(run_page, run, folder / "page.html", replica=replica)
+            return page.read_text(encoding="utf-8")
 
     async def _answer_state(self, command: Table) -> Answer:
         supervisor = self._supervisor

@@ -130,6 +130,9 @@ def test_a_session_from_beginning_to_end(start: Make, tmp_path: Path) -> None:
     assert answer["same"] is True
     outcome = am.reproduce(answer["folder"])
     assert (outcome.is_exact, outcome.steps) == (True, newest + 15), str(outcome)
+    page = done(session, "page")["page"]
+    assert page.startswith("<!doctype html>")
+    assert len(page) > 300_000
 
     pid = session.link.pid
     began = time.monotonic()

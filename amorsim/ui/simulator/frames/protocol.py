@@ -27,6 +27,7 @@ table with ``ok``, and where that is false with ``error``, a text for the user. 
 | ``set`` | ``value`` |
 | ``places`` | ``project``, the folder's path; names in it that are free: ``run``, ``scenario`` |
 | ``save_scenario`` | ``file`` |
+| ``page`` | ``page``: HTML |
 | ``save_run`` | ``folder``, ``same`` |
 | ``restart`` | ``again`` |
 | ``reload`` | ``path`` of the page to go to: of the new simulation, or of the faults of the file |

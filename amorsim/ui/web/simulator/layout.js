@@ -52,6 +52,7 @@ export function build({ stage, timebar, driving, form, replay }) {
       make("editor", h("button", { hidden: true, title: "back to the Editor, where all is as it was" }, "← edit")),
       make("saveRun", h("button", { class: "holders-only live-only server-only" }, "save run")),
       make("saveScenario", h("button", { class: "holders-only live-only", title: "the scenario with its present parameters" }, "save as…")),
+      make("page", h("button", { class: "server-only", title: "this run as one file, which plays in any browser without amorsim" }, "page")),
       make("picture", h("button", { title: "a picture of the view" }, "picture")),
       make("film", h("button", { class: "server-only", title: "record the view as a GIF", "aria-pressed": "false" }, "GIF")),
       make("theme", h("button", { class: "icon", "aria-label": "light or dark (L)", title: "light or dark (L)" }, "◐")),

@@ -39,6 +39,18 @@ export class Saving {
     });
   }
 
+  /** The run as one file that plays by itself. */
+  async page() {
+    const { simulator } = this;
+    simulator.parts.page.disabled = true;
+    simulator.hint("The page is being made.");
+    const said = await simulator.ask({ do: "page" });
+    simulator.parts.page.disabled = false;
+    if (!said.ok) return;
+    download(new Blob([said.page], { type: "text/html" }), `${this.fileName}.html`);
+    simulator.hint("The page is among your downloads: it plays in any browser, without amorsim.");
+  }
+
   picture() {
     const { stage } = this.simulator;
     return savePicture(stage.canvases, stage.theme, this.fileName);

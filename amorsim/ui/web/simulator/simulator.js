@@ -389,6 +389,7 @@ export class Simulator {
     parts.controls.addEventListener("click", () => this.askControls());
     leadBack(parts.editor);
     parts.saveRun.addEventListener("click", () => this.saving.run());
+    parts.page.addEventListener("click", () => this.saving.page());
     parts.saveScenario.addEventListener("click", () => this.saving.scenario());
     parts.picture.addEventListener("click", () => this.saving.picture());
     parts.film.addEventListener("click", () => this.saving.toggleFilm());
