@@ -56,6 +56,7 @@ def test_what_is_hidden_is_not_there(tmp_path: Path) -> None:
     assert _python("print(hasattr(os, 'fork'), hasattr(signal, 'SIGHUP'))", tmp_path).stdout == "False False\n"
 
 
+@pytest.mark.long
 def test_scenarios_are_made_checked_run_and_shown(tmp_path: Path) -> None:
     _amorsim(tmp_path, "new", "mine")
     assert "no faults" in _amorsim(tmp_path, "check", "mine/scenario.toml")
@@ -77,6 +78,7 @@ final_error = { use = "position_error" }
 """
 
 
+@pytest.mark.long
 def test_a_study_runs(tmp_path: Path) -> None:
     _amorsim(tmp_path, "new", "mine")
     (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
@@ -91,6 +93,7 @@ def test_programs_are_checked_in_a_process_of_their_own(tmp_path: Path) -> None:
     assert found.stdout == "()\n", found.stderr
 
 
+@pytest.mark.long
 def test_a_recorded_run_plays_in_the_window(tmp_path: Path) -> None:
     pytest.importorskip("uvicorn")
     _amorsim(tmp_path, "run", "demo", "--duration", "2", "--out", "run")

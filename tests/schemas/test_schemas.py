@@ -67,7 +67,7 @@ def test_each_is_a_schema_in_json(kind: str) -> None:
 def test_files_that_the_readers_accept_are_accepted() -> None:
     kinds = {"criteria": "rubric", "metrics": "study", "robots": "scenario"}
     files: dict[str, list[Path]] = {kind: [] for kind in kinds.values()}
-    for folder in (BUNDLED, ROOT / "docs", ROOT / "plugins_example", ROOT / "amorsim" / "cli" / "template"):
+    for folder in (BUNDLED, ROOT / "docs", ROOT / "amorsim" / "cli" / "template"):
         for file in sorted(folder.rglob("*.toml")):
             keys = tomllib.loads(file.read_text(encoding="utf-8"))
             files[next((kinds[key] for key in kinds if key in keys), "scenario")].append(file)
