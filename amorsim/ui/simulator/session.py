@@ -15,7 +15,6 @@ from typing import Any, Self
 from amorsim.core.errors import AmorsimError, did_you_mean
 from amorsim.core.reading import is_file, is_there
 from amorsim.core.temporary_folders import temporary_folder
-from amorsim.ui.run_page.document import run_page
 from amorsim.ui.scene.wire import Scene
 from amorsim.ui.simulator.child_supervisor import ChildSupervisor
 from amorsim.ui.simulator.controls import Controls
@@ -245,6 +244,8 @@ class Session:
 
     async def _page(self) -> str:
         """The run as one HTML file that plays by itself; a simulation's is simulated again up to its newest moment."""
+        from amorsim.ui.run_page.document import run_page  # with the engine, which the server does not need
+
         with temporary_folder("page") as folder:
             run, replica = Path(self.recipe.name), None
             if self.recipe.is_recorded:

@@ -17,6 +17,7 @@ import amorsim as am
 from tests.ui import windows
 
 pytest.importorskip("anywidget", reason="the extra 'notebook' is not installed")
+PlaywrightError = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed").Error
 
 SIMULATOR = "document.querySelector('.amorsim')?.simulator"
 HOST = """<!doctype html><meta charset="utf-8"><body data-jp-theme-light="false"><div id="cell"></div>
@@ -89,7 +90,13 @@ def test_its_page_plays_the_kernel_s_simulation(browser: Any) -> None:
             assert time.monotonic() < end
             pump()
 
-    until(lambda: len(page.frames) > 1 and page.frames[1].evaluate(f"{SIMULATOR}?.scene?.scenario") == "demo")
+    def is_shown() -> bool:
+        try:
+            return len(page.frames) > 1 and page.frames[1].evaluate(f"{SIMULATOR}?.scene?.scenario") == "demo"
+        except PlaywrightError:  # the frame's page is being loaded
+            return False
+
+    until(is_shown)
     inner = page.frames[1]
     until(lambda: inner.evaluate("document.documentElement.dataset.theme") == "dark")
     inner.evaluate(f"void {SIMULATOR}.ask({{do: 'step', steps: 7}})")
