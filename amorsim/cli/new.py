@@ -83,9 +83,11 @@ def _add_schema(folder: Path) -> None:
     from amorsim.schemas import make_schema
 
     write_text(folder / _SCHEMA, json.dumps(make_schema("scenario")))
-    text = (folder / SCENARIO).read_text(encoding="utf-8")
+    # As bytes: the author's line ends stay, and a byte order mark stays first.
+    text = (folder / SCENARIO).read_bytes().decode()
+    mark, text = ("\N{BOM}", text[1:]) if text.startswith("\N{BOM}") else ("", text)
     if not text.startswith("#:schema"):
-        write_text(folder / SCENARIO, _SCHEMA_LINE + text)
+        write_text(folder / SCENARIO, mark + _SCHEMA_LINE + text)
 
 
 def _refuse_to_replace(folder: Path, names: Sequence[str]) -> None:

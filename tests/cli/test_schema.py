@@ -28,3 +28,15 @@ def test_a_new_scenario_names_its_schema(amorsim: Command) -> None:
     assert json.loads(Path("mine/scenario.schema.json").read_text(encoding="utf-8")) == make_schema("scenario")
     assert amorsim("new", "other", "--from", "mine/scenario.toml", "--copy").status == 0
     assert Path("other/scenario.toml").read_text(encoding="utf-8").count("#:schema") == 1
+
+
+def test_a_byte_order_mark_and_line_ends_stay(amorsim: Command) -> None:
+    assert amorsim("new", "mine").status == 0
+    scenario = Path("mine/scenario.toml")
+    text = scenario.read_text(encoding="utf-8").split("\n", 1)[1]
+    scenario.write_bytes(("\N{BOM}" + text.replace("\n", "\r\n")).encode())
+    assert amorsim("new", "other", "--from", scenario, "--copy").status == 0
+    made = Path("other/scenario.toml").read_bytes().decode()
+    assert "\r\n\r\nformat = 1\r\n" in made
+    assert made.count("\N{BOM}") == made.startswith("\N{BOM}")
+    assert amorsim("check", "other/scenario.toml").status == 0

@@ -112,7 +112,7 @@ class Live:
     def ask(self, window: str, command: Table) -> dict[str, Any]:
         """The answer to a window's command (see `amorsim.ui.simulator.frames.messages`)."""
         try:
-            check(command)
+            self._is_stale = self._is_stale or not check(command).asks
             self._follow()
             answer = self._carry_out(window, command)
         except AmorsimError as error:
@@ -120,7 +120,6 @@ class Live:
         except KeyboardInterrupt:  # the kernel's own, in a controller that did not return
             answer = {"ok": False, "error": "it was broken off"}
         self._tick = self._player.simulation.tick
-        self._is_stale = True
         self.show()
         if self._does.is_running and (self._playing is None or self._playing.done()):
             self._playing = asyncio.get_running_loop().create_task(self._play())

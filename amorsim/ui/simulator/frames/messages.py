@@ -140,7 +140,7 @@ COMMANDS: Mapping[str, Command] = {
     "remove": Command(needs={"path": _NAME}, may=_OF_ROBOT, controls=True),
     # Files and folders in the project's folder (see `amorsim.ui.simulator.project`); a run without a name gets one.
     "places": Command(controls=True),
-    "page": Command(),  # the run as one HTML file
+    "page": Command(asks=True),  # the run as one HTML file
     "save_scenario": Command(needs={"name": _text(LONGEST_PLACE)}, may={"overwrite": _YES_OR_NO}, controls=True),
     "save_run": Command(may={"name": _either(_text(LONGEST_PLACE), _NOTHING)}, controls=True),
     # A simulation that hangs or has gone; `without` are robots that go over to the hand.
