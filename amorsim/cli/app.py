@@ -25,6 +25,7 @@ from amorsim.cli import (
     export,
     generate,
     grade,
+    lab,
     new,
     plan,
     plot,
@@ -105,6 +106,7 @@ app.command("calibrate", short_help="Find the errors of a gyro, a compass or a r
 app.command("explain-errors", short_help="Show what each error does to odometry.")(explain.command)
 app.command("new", short_help="Make a scenario, a controller and a map to start from.")(new.command)
 app.command("schema", short_help="Print the JSON Schema of scenarios, studies or rubrics.")(schema.command)
+app.add_typer(lab.app, name="lab", short_help="List, begin and check the labs of a course.")
 app.add_typer(plugins.app, name="plugins", short_help="List all components, or show the manual of one.")
 
 

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from amorsim.cli.console import compile_once, say
+from amorsim.core.errors import RunError
 
 __all__ = ["command"]
 
@@ -22,6 +23,10 @@ def command(
     no_fence: Annotated[
         bool, typer.Option("--no-fence", help="Grade without bubblewrap; a submission can do what you can.")
     ] = False,
+    gradescope: Annotated[
+        Path | None,
+        typer.Option("--gradescope", metavar="FILE", help="Also write Gradescope's results.json, of one submission."),
+    ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
 ) -> None:
     """Grade controllers or estimators: over seeds and worlds that they do not know, fenced in by bubblewrap.
@@ -31,14 +36,19 @@ def command(
     """
     from amorsim.cli.study import table
     from amorsim.grading.grade import grade
+    from amorsim.grading.gradescope import write_gradescope
     from amorsim.grading.results import UNFENCED
     from amorsim.grading.rubric import read_rubric
 
     def look() -> None:
         read_rubric(rubric)
 
+    if gradescope is not None and len(submissions) != 1:
+        raise RunError(f"--gradescope is for one submission, got {len(submissions)}")
     compile_once(look, quiet)
     found = grade(rubric, submissions, out, fence=not no_fence, seeds=seeds, progress=None if quiet else say)
+    if gradescope is not None:
+        write_gradescope(gradescope, rubric, found[0])
     if quiet:
         return
     head, rows = ["submission", "points", "of"], [[each.label, f"{each.total:.2f}", f"{each.of:g}"] for each in found]

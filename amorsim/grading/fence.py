@@ -103,6 +103,15 @@ def find_fence(private: Iterable[Path]) -> Fence:
     return fence
 
 
+def is_fence_there() -> bool:
+    """Whether submissions can be fenced in here."""
+    try:
+        find_fence([])
+    except StudyError:
+        return False
+    return True
+
+
 def _no_fence(problem: str) -> StudyError:
     return StudyError(f"{problem}. With --no-fence, a submission can read and change what you can")
 
