@@ -23,6 +23,7 @@ if TYPE_CHECKING:
         noise,
         planners,
         sensors,
+        tasks,
         testing,
         worlds,
     )
@@ -49,6 +50,7 @@ if TYPE_CHECKING:
         Mount,
         Noise,
         NoiseStep,
+        Observable,
         ObstacleFrame,
         Part,
         Plan,
@@ -62,6 +64,9 @@ if TYPE_CHECKING:
         SensorModel,
         Sightings,
         State,
+        StepOutcome,
+        Task,
+        TrueState,
         View,
         WorldGenerator,
         parameter,
@@ -143,9 +148,9 @@ if TYPE_CHECKING:
 _MODULES = {
     "amorsim.contracts": (
         "Aim Beliefs Clock Context Controller Drive Draws Emission Episode Estimate Estimator FloorPoints Frame Joint "
-        "Lights MapLoader Measurement Metric Motion Mount Noise NoiseStep ObstacleFrame Part Plan Planner Recorder "
-        "RobotModel RunInfo ScenarioDocument ScenarioLoader Sensor SensorModel Sightings State View WorldGenerator "
-        "parameter"
+        "Lights MapLoader Measurement Metric Motion Mount Noise NoiseStep Observable ObstacleFrame Part Plan Planner "
+        "Recorder RobotModel RunInfo ScenarioDocument ScenarioLoader Sensor SensorModel Sightings State StepOutcome "
+        "Task TrueState View WorldGenerator parameter"
     ),
     "amorsim.controllers.user": "Twist WheelSpeeds",
     "amorsim.core.errors": (
@@ -194,7 +199,7 @@ _MODULES = {
 }
 _PACKAGES = (
     *("algorithms", "analysis", "controllers", "drives", "estimators", "metrics", "motions", "noise", "planners"),
-    *("sensors", "testing", "worlds"),
+    *("sensors", "tasks", "testing", "worlds"),
 )
 show_by(lambda value: importlib.import_module("amorsim.reports.notebook").bundle(value))
 
@@ -250,6 +255,7 @@ __all__ = [
     "Noise",
     "NoiseElement",
     "NoiseStep",
+    "Observable",
     "Obstacle",
     "ObstacleFrame",
     "Origin",
@@ -285,8 +291,11 @@ __all__ = [
     "SnapshotError",
     "Stage",
     "State",
+    "StepOutcome",
     "Study",
     "StudyError",
+    "Task",
+    "TrueState",
     "Twist",
     "View",
     "WheelSpeeds",
@@ -329,6 +338,7 @@ __all__ = [
     "sensors",
     "stack",
     "sweep",
+    "tasks",
     "testing",
     "view",
     "widget",

@@ -35,6 +35,7 @@ SCENARIOS = (
     "find-the-way",
     "parking-lot",
     "unknown-maze",
+    "learned",
     "crossing",
     "doors",
     "line",

@@ -66,6 +66,7 @@ _KINDS = {
         "In `[metrics]` of a study, as `NAME = { use = ..., ... }`; `robot` stands beside the fields where there are "
         "several. In Python: `am.metrics`.",
     ),
+    "task": ("Tasks", "In `[task]`. [Train a policy](../how-to/train-a-policy.md) is the guide."),
     "recorder": ("Recorders", "What writes the files of a run; a scenario does not choose one."),
 }
 

@@ -38,7 +38,7 @@ class Trial:
             **{key: value for key, value in os.environ.items() if not key.startswith(("NUMBA", "PYTHON", "VIRTUAL"))},
             "XDG_CACHE_HOME": str(folder / "cache"),
         }
-        names = [f"{wheel}[ui,plot]" if wheel.name.startswith("amorsim-") else str(wheel) for wheel in wheels]
+        names = [f"{wheel}[learn,ui,plot]" if wheel.name.startswith("amorsim-") else str(wheel) for wheel in wheels]
         self.run("python", "-m", "pip", "install", "--quiet", "-c", str(ROOT / "constraints.txt"), *names)
 
     def run(self, *command: str) -> str:

@@ -27,6 +27,7 @@ from amorsim.contracts.recorder import Frame, ObstacleFrame, Recorder, RunInfo
 from amorsim.contracts.robot import Context, Drive, Joint, Part, RobotModel, Sensor, SensorModel
 from amorsim.contracts.scenario_loader import ScenarioDocument, ScenarioLoader
 from amorsim.contracts.side import Side
+from amorsim.contracts.task import Observable, StepOutcome, Task, TrueState
 from amorsim.contracts.values import Aim, Beliefs, Clock, Estimate, LazyBeliefs, Measurement, State
 from amorsim.contracts.view import BodyStates, Emission, Emissions, FloorPoints, Lights, Neighbours, Sightings, View
 from amorsim.contracts.world_generator import WorldGenerator
@@ -65,6 +66,7 @@ __all__ = [
     "Neighbours",
     "Noise",
     "NoiseStep",
+    "Observable",
     "ObstacleFrame",
     "Part",
     "Plan",
@@ -80,6 +82,9 @@ __all__ = [
     "Side",
     "Sightings",
     "State",
+    "StepOutcome",
+    "Task",
+    "TrueState",
     "View",
     "WorldGenerator",
     "parameter",

@@ -14,6 +14,7 @@ from amorsim.controllers.manual import Manual
 from amorsim.controllers.mppi import Mppi
 from amorsim.controllers.navigate import Navigate
 from amorsim.controllers.path_pursuit import PathPursuit
+from amorsim.controllers.policy import Policy
 from amorsim.controllers.pursuit import Pursuit
 from amorsim.controllers.square import Square
 from amorsim.controllers.user import Twist, UserController, WheelSpeeds
@@ -38,6 +39,7 @@ __all__ = [
     "NearnessDiagram",
     "Orca",
     "PathPursuit",
+    "Policy",
     "PotentialField",
     "Pursuit",
     "SocialForce",

@@ -41,7 +41,7 @@ LARGEST_WHOLE = 2**53
 
 FRAMES = ("world", "body")
 """The possible values of a parameter's `frame`."""
-COMPONENTS = ("planner", "controller", "estimator", "motion")
+COMPONENTS = ("planner", "controller", "estimator", "motion", "task")
 """The kinds of component that a parameter may be."""
 REFERS = ("sensors", "estimators", "joints")
 """The kinds of things that a parameter may refer to by name."""

@@ -12,21 +12,14 @@ from amorsim.core.errors import AmorsimError
 if importlib.util.find_spec("gymnasium") is None:
     raise AmorsimError('environments for learners need the extra "learn": python -m pip install "amorsim[learn]"')
 
-from amorsim.learning.contracts import Known, Outcome, Task, Truth
 from amorsim.learning.registration import TASKS, make, make_vec, register_all
 from amorsim.learning.single import SimulationEnv
-from amorsim.learning.tasks.point_goal import PointGoal
 from amorsim.learning.vector import SimulationVectorEnv
 
 __all__ = [
     "TASKS",
-    "Known",
-    "Outcome",
-    "PointGoal",
     "SimulationEnv",
     "SimulationVectorEnv",
-    "Task",
-    "Truth",
     "make",
     "make_vec",
 ]

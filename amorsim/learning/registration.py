@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import attrs
 import gymnasium as gym
 
+from amorsim.contracts import Task
 from amorsim.core.unknown_names import no_such
-from amorsim.learning.contracts import Task
 from amorsim.learning.single import SimulationEnv
-from amorsim.learning.tasks.point_goal import PointGoal
 from amorsim.learning.vector import SimulationVectorEnv
 from amorsim.scenario.reading.read import load
 from amorsim.scenario.spec import Scenario
@@ -23,16 +21,8 @@ __all__ = ["TASKS", "make", "make_vec", "register_all"]
 _SCENARIOS = Path(__file__).parent / "scenarios"
 
 
-@attrs.frozen
-class Registered:
-    """A task with its scenario."""
-
-    scenario: str
-    task: Callable[..., Task]
-
-
-TASKS = {"amorsim/PointGoal-v0": Registered("point-goal.toml", PointGoal)}
-"""By the name that Gymnasium has for it."""
+TASKS = {"amorsim/PointGoal-v0": "point-goal.toml"}
+"""The scenario of each, by the name that Gymnasium has for it."""
 
 
 def register_all() -> None:
@@ -57,29 +47,32 @@ def make_vec(
     privileged: bool = False,
     dtype: str = "float32",
     threads: int = 1,
+    render_mode: str | None = None,
     **parameters: Any,
 ) -> SimulationVectorEnv:
-    """A vector environment: of a task by its name, or of a scenario of your own with a task.
+    """A vector environment: of a task by its name, or of a scenario of your own.
 
     ::
 
         envs = make_vec("amorsim/PointGoal-v0", 64, distance=(1.0, 3.0))
-        envs = make_vec("my-office.toml", 64, task=PointGoal(sensor="sonar"))
+        envs = make_vec("my-office.toml", 64)  # whose [task] names the task
+        envs = make_vec("demo", 64, task=PointGoal(sensor="sonar"))
 
     Parameters
     ----------
     what
         The name of a task, or a scenario: its file, its bundled name or the object. It has one robot, whose
         controller the actions replace.
-    num_envs, autoreset_mode, privileged, dtype, threads
+    num_envs, autoreset_mode, privileged, dtype, threads, render_mode
         As of `SimulationVectorEnv`.
     task
-        For a scenario: the task.
+        In place of the scenario's own.
     parameters
-        Of a task by its name.
+        Of the task, in place of those that the scenario has.
     """
     scenario, chosen = _chosen(what, task, parameters)
     given = {"autoreset_mode": autoreset_mode, "privileged": privileged, "dtype": dtype, "threads": threads}
+    given["render_mode"] = render_mode
     return SimulationVectorEnv(scenario, chosen, num_envs, **given)
 
 
@@ -89,20 +82,29 @@ def make(
     task: Task | None = None,
     privileged: bool = False,
     dtype: str = "float32",
+    render_mode: str | None = None,
     **parameters: Any,
 ) -> SimulationEnv:
     """One environment; as `make_vec`."""
-    return SimulationEnv(*_chosen(what, task, parameters), privileged=privileged, dtype=dtype)
+    return SimulationEnv(*_chosen(what, task, parameters), privileged=privileged, dtype=dtype, render_mode=render_mode)
 
 
 def _chosen(
     what: str | os.PathLike[str] | Scenario, task: Task | None, parameters: dict[str, Any]
 ) -> tuple[Scenario, Task]:
-    if task is None:
-        if what not in TASKS:
-            raise ValueError(no_such("task", what, list(TASKS)) + " For a scenario, give a task as well")
-        known = TASKS[str(what)]
-        return load(_SCENARIOS / known.scenario), known.task(**parameters)
-    if parameters:
-        raise TypeError(f"{', '.join(parameters)}: a task that is given has its parameters already")
-    return (what if isinstance(what, Scenario) else load(what)), task
+    if isinstance(what, Scenario):
+        scenario = what
+    elif str(what) in TASKS:
+        scenario = load(_SCENARIOS / TASKS[str(what)])
+    elif str(what).startswith("amorsim/"):
+        raise ValueError(no_such("task", str(what), list(TASKS)))
+    else:
+        scenario = load(what)
+    chosen = scenario.task if task is None else task
+    if chosen is None:
+        raise ValueError(f"{what}: expected a scenario with [task], or a task beside it")
+    known = [field.name for field in attrs.fields(type(chosen))]
+    for name in parameters:
+        if name not in known:
+            raise TypeError(no_such("parameter", name, known))
+    return scenario, attrs.evolve(chosen, **parameters)

@@ -8,7 +8,7 @@ import gymnasium as gym
 import numpy as np
 from gymnasium.vector import AutoresetMode
 
-from amorsim.learning.contracts import Task
+from amorsim.contracts import Task
 from amorsim.learning.vector import SimulationVectorEnv
 from amorsim.scenario.spec import Scenario
 
@@ -24,11 +24,26 @@ class SimulationEnv(gym.Env[Any, Any]):
         As of `SimulationVectorEnv`; so are the others.
     """
 
-    def __init__(self, scenario: Scenario, task: Task, *, privileged: bool = False, dtype: str = "float32") -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        task: Task,
+        *,
+        privileged: bool = False,
+        dtype: str = "float32",
+        render_mode: str | None = None,
+    ) -> None:
         self._many = SimulationVectorEnv(
-            scenario, task, 1, autoreset_mode=AutoresetMode.DISABLED, privileged=privileged, dtype=dtype
+            scenario,
+            task,
+            1,
+            autoreset_mode=AutoresetMode.DISABLED,
+            privileged=privileged,
+            dtype=dtype,
+            render_mode=render_mode,
         )
-        self.metadata = {"render_modes": []}
+        self.render_mode = render_mode
+        self.metadata = {key: self._many.metadata[key] for key in ("render_modes", "render_fps")}
         self.action_space = self._many.single_action_space
         self.observation_space = self._many.single_observation_space
 
@@ -36,6 +51,11 @@ class SimulationEnv(gym.Env[Any, Any]):
     def simulation(self) -> Any:
         """The simulation, of one replica."""
         return self._many.simulation
+
+    def render(self) -> Any:
+        """A picture `(height, width, 3)`; None without a ``render_mode``."""
+        found = self._many.render()
+        return None if found is None else found[0]
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Begin an episode: with a seed the first of that seed, without one the next."""

@@ -12,19 +12,21 @@ import numpy.typing as npt
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from amorsim.contracts import Draws, RobotModel
+from amorsim.contracts import Draws, Observable, RobotModel, State, StepOutcome, Task, TrueState
 from amorsim.controllers.manual import Manual
 from amorsim.core.draws import stream_key
 from amorsim.core.errors import AmorsimError
-from amorsim.learning.contracts import Episode, Known, Outcome, Task, Truth
+from amorsim.learning.pictures import Pictures
 from amorsim.scenario.spec import Scenario
 from amorsim.simulation.simulation import MAX_REPLICA, Simulation
 
-__all__ = ["SimulationVectorEnv"]
+__all__ = ["RENDER_MODES", "SimulationVectorEnv"]
 
 Array = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 
+RENDER_MODES = ["rgb_array"]
+_SIZE = 480  # [px] the longer side of a picture
 _LARGE = 1e6  # no true quantity is larger
 _STUDY = 0
 """The seed of every simulation here. An environment's own seed is the number of its replica."""
@@ -55,6 +57,9 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
         Of observations and actions: ``"float32"`` or ``"float64"``.
     threads
         That share the simulation's work; it does not change the bits.
+    render_mode
+        None, or ``"rgb_array"``: `render` returns a picture of each environment, as Gymnasium's `RecordVideo` takes
+        them.
 
     Raises
     ------
@@ -72,13 +77,24 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
         privileged: bool = False,
         dtype: str = "float32",
         threads: int = 1,
+        render_mode: str | None = None,
     ) -> None:
         if len(scenario.robots) != 1:
             raise AmorsimError(f"expected a scenario with one robot, got one with {len(scenario.robots)}")
         self.task = task
         self.num_envs = num_envs
         self._mode = AutoresetMode(autoreset_mode)
-        self.metadata = {"render_modes": [], "autoreset_mode": self._mode}
+        if render_mode not in (None, *RENDER_MODES):
+            raise AmorsimError(
+                f"render_mode: expected None or {' or '.join(map(repr, RENDER_MODES))}, got {render_mode!r}"
+            )
+        self.render_mode = render_mode
+        self.metadata = {
+            "render_modes": RENDER_MODES,
+            "render_fps": round(1.0 / task.period),
+            "autoreset_mode": self._mode,
+        }
+        self._pictures: Pictures | None = None
         self._threads = threads
         self._robot_name = scenario.robots[0].name
         hand = Manual()
@@ -181,8 +197,9 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
     def _begin_first(self, seeds: Sequence[int]) -> None:
         """Begin the first episodes of these seeds in all environments."""
         self.simulation = self._simulate(seeds)
+        self._pictures = None
         rows = np.arange(self.num_envs)
-        self._episode: Episode = self.task.begin(self._truth(rows), self._draws(rows))
+        self._episode: State = self.task.begin(self._truth(rows), self._draws(rows))
         self._is_begun = True
 
     def _draws(self, rows: npt.NDArray[np.intp]) -> Draws:
@@ -243,14 +260,24 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
 
     # ------------------------------------------------------------------------------------------------- what is seen
 
+    def render(self) -> tuple[npt.NDArray[np.uint8], ...] | None:
+        """A picture `(height, width, 3)` of each environment; None without a ``render_mode``."""
+        if self.render_mode is None:
+            return None
+        if not self._is_begun:
+            raise ValueError("expected reset() before the first picture")
+        if self._pictures is None:
+            self._pictures = Pictures(self.simulation, _SIZE)
+        return tuple(self._pictures.draw(row, self._episode) for row in range(self.num_envs))
+
     @property
     def _robot(self) -> RobotModel:
         return self.simulation.known(self._robot_name).robot
 
-    def _truth(self, rows: Any) -> Truth:
+    def _truth(self, rows: Any) -> TrueState:
         simulation = self.simulation
         numbers = np.arange(self.num_envs)[rows]
-        return Truth(
+        return TrueState(
             simulation.true_pose[rows],
             simulation.true_twist[rows],
             simulation.touching[rows],
@@ -259,14 +286,14 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
 
     def _observations(self) -> Any:
         """Arrays of their own: the next step does not change them."""
-        known = Known(*self.simulation.known(self._robot_name), self._action)
+        known = Observable(*self.simulation.known(self._robot_name), self._action)
         seen = self.task.observe(known, self._episode).astype(self._dtype)
         if not self._is_privileged:
             return seen
         truth = self._truth(slice(None))
         return {"observation": seen, "privileged": self.task.privileged(truth, self._episode).astype(self._dtype)}
 
-    def _infos(self, which: Bools, outcome: Outcome | None = None) -> dict[str, Any]:
+    def _infos(self, which: Bools, outcome: StepOutcome | None = None) -> dict[str, Any]:
         """Infos as Gymnasium has them: arrays, and masks of the environments that they are about."""
         infos: dict[str, Any] = {"episode_number": self.simulation.episodes.copy(), "_episode_number": which.copy()}
         if outcome is not None and self._is_over.any():

@@ -130,6 +130,7 @@ def amorsim_register(registry: Registry) -> None:
     registry.controller("human_like", "amorsim.controllers.among:HumanLike")
     registry.controller("navigate", "amorsim.controllers.navigate:Navigate")
     registry.controller("follow_wall", "amorsim.controllers.wall:FollowWall")
+    registry.controller("policy", "amorsim.controllers.policy:Policy")
 
     registry.planner("dijkstra", "amorsim.planners.dijkstra:Dijkstra")
     registry.planner("a_star", "amorsim.planners.a_star:AStar")
@@ -162,6 +163,8 @@ def amorsim_register(registry: Registry) -> None:
     registry.metric("success", "amorsim.metrics.driving:Success")
     registry.metric("clearance", "amorsim.metrics.space:Clearance")
     registry.metric("coverage", "amorsim.metrics.space:Coverage")
+
+    registry.task("point_goal", "amorsim.tasks.point_goal:PointGoal")
 
     for name in ("sick-lms200", "polaroid-600", "tcm2", "adxrs300"):
         registry.device(name, _PACKAGE / "devices" / f"{name}.toml")
@@ -199,6 +202,7 @@ def amorsim_register(registry: Registry) -> None:
             "find-the-way",
             "parking-lot",
             "unknown-maze",
+            "learned",
             "crossing",
         ),
     ):

@@ -13,7 +13,7 @@ from typing import Any
 
 import attrs
 
-from amorsim.contracts import Controller, Drive, Estimator, Joint, Motion, Part, Planner
+from amorsim.contracts import Controller, Drive, Estimator, Joint, Motion, Part, Planner, Task
 from amorsim.core.error_text import RAISED, in_words
 from amorsim.core.errors import ComponentError, did_you_mean
 from amorsim.core.parameters import COMPONENTS, FRAMES, REFERS, Parameter, ParameterError, check_value, describe
@@ -36,6 +36,7 @@ RESERVED: dict[str, tuple[str, ...]] = {
     "planner": ("use",),
     "recorder": ("use",),
     "metric": ("use", "robot"),
+    "task": ("use",),
 }
 """Keys that stand next to a component's fields in a scenario, and that no field may be called by."""
 
@@ -210,7 +211,7 @@ def _check_field(parameter: Parameter) -> Iterator[str]:
 
 def _check_component(parameter: Parameter) -> Iterator[str]:
     """A field that is a component: of a known kind, and annotated with its contract or a class of it."""
-    contracts: tuple[type, ...] = (Planner, Controller, Estimator, Motion)
+    contracts: tuple[type, ...] = (Planner, Controller, Estimator, Motion, Task)
     contract = dict(zip(COMPONENTS, contracts, strict=True)).get(parameter.component)
     if contract is None:
         yield f"field {parameter.name!r}: component: expected {' or '.join(COMPONENTS)}, found {parameter.component!r}"

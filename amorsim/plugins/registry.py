@@ -22,6 +22,7 @@ from amorsim.contracts import (
     Recorder,
     ScenarioLoader,
     Sensor,
+    Task,
     WorldGenerator,
 )
 from amorsim.core.arguments import checked
@@ -46,6 +47,7 @@ KINDS: Mapping[str, type] = {
     "planner": Planner,
     "recorder": Recorder,
     "metric": Metric,
+    "task": Task,
 }
 """The kinds of component, and the contract of each."""
 
@@ -157,6 +159,10 @@ class Registry:
     def metric(self, name: str, cls: type[Metric] | str) -> None:
         """Register a metric."""
         self._add("metric", name, cls)
+
+    def task(self, name: str, cls: type[Task] | str) -> None:
+        """Register a task for learners."""
+        self._add("task", name, cls)
 
     @checked
     def robot(self, name: str, path: str | Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import io
 import itertools
 import math
@@ -102,7 +103,7 @@ class Animation:
 
     def frame(self, number: int) -> Image.Image:
         """A frame as it is shown, RGB."""
-        return self._draw(self._background(), number)
+        return self._draw(self._background, number)
 
     def save(self, path: str | Path, speed: float = 1.0) -> None:
         """Write the frames as a GIF that repeats; `speed` is how much faster than the simulated time it runs.
@@ -114,7 +115,7 @@ class Animation:
         """
         if not self._times:
             raise RunError(f"{path}: there is nothing to show, not even one frame")
-        background = self._background()
+        background = self._background
         few = sorted({0, len(self) // 2, len(self) - 1})
         sample = Image.new("RGB", (self._size[0], self._size[1] * len(few)))
         for row, number in enumerate(few):
@@ -145,9 +146,10 @@ class Animation:
         """
         if not self._times:
             raise RunError(f"{path}: there is nothing to show, not even one frame")
-        background = self._background()
+        background = self._background
         write_video(Path(path), (self._draw(background, number) for number in range(len(self))), rate)
 
+    @functools.cached_property
     def _background(self) -> Image.Image:
         """Floor, walls and scale bar, in fine pixels."""
         left, top, width, height = (FINENESS * side for side in self._plot)

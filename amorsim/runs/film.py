@@ -4,10 +4,28 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.render.animation import Shown
 from amorsim.runs.video_writer import Reel, shown_bodies
 from amorsim.simulation.simulation import Simulation
 
-__all__ = ["Film"]
+__all__ = ["Film", "bodies_in", "poses_in"]
+
+
+def bodies_in(simulation: Simulation) -> list[Shown]:
+    """What moves in each replica: robots, obstacles, and the robots' parts."""
+    scenario, world = simulation.scenario, simulation._fleet.world
+    owners = (world.name(owner) for owner in world.owner[: world.count].tolist())
+    bodies = list(zip(owners, world.shapes, strict=True))
+    return shown_bodies(bodies[: world.named], bodies[world.named :], scenario.robots, scenario.obstacles)
+
+
+def poses_in(simulation: Simulation, index: int) -> npt.NDArray[np.float64]:
+    """Where they truly are `(B, 3)` in the replica of this index among those that are simulated."""
+    world = simulation._fleet.world
+    return world.poses[index * world.count : (index + 1) * world.count].copy()
 
 
 class Film:
@@ -39,14 +57,10 @@ class Film:
         self.path = path
         self._simulation = simulation
         self._steps = 0
-        scenario, world = simulation.scenario, simulation._fleet.world
-        owners = (world.name(owner) for owner in world.owner[: world.count].tolist())
-        bodies = list(zip(owners, world.shapes, strict=True))
-        shown = shown_bodies(bodies[: world.named], bodies[world.named :], scenario.robots, scenario.obstacles)
         self.reel = Reel(
             simulation.map_of(simulation.replicas[0]),
-            shown,
-            scenario.floor.patches,
+            bodies_in(simulation),
+            simulation.scenario.floor.patches,
             path=path,
             dt=simulation.dt,
             duration=duration,
@@ -58,8 +72,7 @@ class Film:
         self._take()
 
     def _take(self) -> None:
-        world = self._simulation._fleet.world
-        self.reel.add(float(self._simulation.ticks[0]) * self._simulation.dt, world.poses[: world.count].copy())
+        self.reel.add(float(self._simulation.ticks[0]) * self._simulation.dt, poses_in(self._simulation, 0))
 
     def keep(self) -> None:
         """Take the step that was just made, if it is one to show."""

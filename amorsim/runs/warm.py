@@ -37,6 +37,7 @@ __all__ = ["cold_planners", "compile_kernels", "compile_planner"]
 Progress = Callable[[int, int], None]
 Table = dict[str, Any]
 _OURS = "amorsim.planners."
+_NEEDS_EXTRA = "learned"  # ONNX Runtime; it has no kernels of its own
 LONGEST_SECOND = 600.0  # [s] that the second process gets from its start; what it leaves is compiled when first called
 
 
@@ -56,7 +57,7 @@ def compile_kernels(progress: Progress | None = None, *, more: bool = False) -> 
     """
     first, second = _FIRST, _SECOND
     if more:
-        named = {*_FIRST, *_MORE, *_BESIDE}
+        named = {*_FIRST, *_MORE, *_BESIDE, _NEEDS_EXTRA}
         others = [name for name in make_registry(entry_points=()).names("scenario") if name not in named]
         first, second = _FIRST + _MORE, (*_SECOND, *_BESIDE, *others)
     total, done, lock = len(first) + len(second), 0, threading.Lock()

@@ -16,7 +16,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Controller, Drive, Estimator, Motion, Mount, Noise, Recorder, Sensor, parameter
+from amorsim.contracts import Controller, Drive, Estimator, Motion, Mount, Noise, Recorder, Sensor, Task, parameter
 from amorsim.controllers.user import UserController
 from amorsim.core.arguments import is_list
 from amorsim.core.display import in_notebook
@@ -373,10 +373,14 @@ def _zones(given: Iterable[Zone]) -> tuple[Zone, ...]:
     return many("zones", Zone, given)
 
 
+_is_task = is_a(Task, "am.tasks.PointGoal()", optional=True)
+
+
 @attrs.frozen(kw_only=True, eq=False)
 class Scenario:
     """A world, the robots in it, and how time runs.
 
+    `task` is what a learner is to do in it, by `amorsim.learning`; a run takes no notice of it.
     `source` is the file it was read from, `resolved` the tables in it with all models and defaults filled in and files
     named (what a run's folder keeps); both are none for a scenario built in Python. `remarks` list what was left out of
     another program's file.
@@ -393,6 +397,7 @@ class Scenario:
     duration: float = parameter(60.0, unit="s", gt=0, le=1e9, help="simulated time of a run")
     seed: int = parameter(0, ge=0, le=2**63 - 1, help="of all random draws")
     recording: Recording = attrs.field(factory=Recording)
+    task: Task | None = attrs.field(default=None, validator=_is_task)
     source: Path | None = None
     resolved: Mapping[str, Any] | None = None
     remarks: tuple[str, ...] = ()

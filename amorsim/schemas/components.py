@@ -37,7 +37,15 @@ _FILE: Schema = {
     "description": "a class or function in a file: FILE.py:NAME",
 }
 _IN_A_FILE: Schema = {"properties": {"use": _FILE}, "required": ["use"], "additionalProperties": True}
-_KINDS = ("drive", "motion", "estimator", "controller", "planner", "recorder")  # whose tables have their fields alone
+_KINDS = (
+    "drive",
+    "motion",
+    "estimator",
+    "controller",
+    "planner",
+    "recorder",
+    "task",
+)  # whose tables have their fields alone
 
 
 def ref(name: str) -> Schema:

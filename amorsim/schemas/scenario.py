@@ -54,6 +54,7 @@ def scenario_schema(registry: Registry) -> Schema:
                 "world": ref("world"),
                 "simulation": table_schema(Scenario, names=("dt", "duration", "seed"), about="time and seed"),
                 "recording": table_schema(Recording, beside={"also": _list(ref("recorder"))}),
+                "task": ref("task"),
                 "robots": {**_list(ref("robot")), "minItems": 1},
                 "obstacles": _list(ref("obstacle")),
                 "landmarks": _list(_alone(Landmark)),

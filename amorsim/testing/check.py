@@ -24,6 +24,7 @@ from amorsim.contracts import (
     Recorder,
     ScenarioLoader,
     Sensor,
+    Task,
     WorldGenerator,
 )
 from amorsim.core.error_text import RAISED, error_in_words
@@ -43,6 +44,7 @@ from amorsim.testing.planners import check_planner
 from amorsim.testing.recorders import check_recorder
 from amorsim.testing.rig import ROWS, Rig
 from amorsim.testing.scenario_loaders import check_scenario_loader
+from amorsim.testing.tasks import check_task
 from amorsim.testing.trial import Record, Trial, try_rows
 from amorsim.testing.variants import example, variants
 from amorsim.testing.world_generators import check_world_generator
@@ -62,6 +64,7 @@ _KINDS: dict[str, type] = {
     "world_generator": WorldGenerator,
     "recorder": Recorder,
     "metric": Metric,
+    "task": Task,
 }
 
 # Units that are not the International System's, or that files alone spell.
@@ -90,7 +93,7 @@ def check_component(
     ----------
     component
         A drive, sensor, noise element, estimator, controller, planner, motion, map loader, scenario loader, world
-        generator, recorder or metric; or its class: one is made with its defaults, and with some value where
+        generator, recorder, metric or task; or its class: one is made with its defaults, and with some value where
         it has none.
     drive
         Drive on which a sensor, estimator or controller is tried; a differential drive by default.
@@ -107,7 +110,7 @@ def check_component(
     path
         A file that a map loader or a scenario loader is to read.
     scene
-        Where a sensor, estimator, controller or motion is tried, in place of a hall with a post, a box, marks and
+        Where a sensor, estimator, controller, motion or task is tried, in place of a hall with a post, a box, marks and
         lamps: the map, obstacles, landmarks and lights of a scenario. Its robots set where those that are tried
         start, and drive about by some centimetres a step.
 
@@ -145,6 +148,9 @@ def check_component(
         return
     if isinstance(component, WorldGenerator):
         check_world_generator(who, component)
+        return
+    if isinstance(component, Task):
+        check_task(who, component, scene)
         return
     kin = variants(component, ROWS)
     if isinstance(component, Drive):

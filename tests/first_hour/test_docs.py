@@ -95,8 +95,8 @@ def test_the_page_of_python_is_up_to_date() -> None:
 
 def test_every_public_name_is_on_the_page_of_python() -> None:
     text = (DOCS / "reference" / "python.md").read_text(encoding="utf-8")
-    components = {"controllers", "drives", "estimators", "metrics", "motions", "noise", "planners", "sensors", "worlds"}
-    packages = components | {"algorithms"}
+    components = {"controllers", "drives", "estimators", "metrics", "motions", "noise", "planners", "sensors", "tasks"}
+    packages = components | {"algorithms", "worlds"}
     for name in set(am.__all__) - packages - {"analysis", "testing"}:
         assert f"### `am.{name}`\n" in text, name
     for name in packages:

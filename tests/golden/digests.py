@@ -24,7 +24,8 @@ __all__ = ["KEPT", "MAPS", "SCENARIOS", "SEEDS", "digests_of", "rays_of"]
 KEPT = Path(__file__).resolve().with_name("digests.json")
 DURATION = 20.0  # [s]
 SEEDS = (1, 2)
-SCENARIOS = tuple(sorted(default_registry().names("scenario")))
+# Not that of a policy: ONNX Runtime's last bits depend on the processor.
+SCENARIOS = tuple(sorted({*default_registry().names("scenario")} - {"learned"}))
 MAPS = ("arena", "car-park", "concourse", "hall", "maze", "office", "rooms", "yard")
 
 

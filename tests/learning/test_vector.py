@@ -18,7 +18,10 @@ from gymnasium.vector import AutoresetMode  # noqa: E402
 
 import amorsim as am  # noqa: E402
 import amorsim.learning  # noqa: E402
-from amorsim.learning import PointGoal, SimulationVectorEnv, Truth, make, make_vec  # noqa: E402
+from amorsim.contracts import TrueState  # noqa: E402
+from amorsim.learning import SimulationVectorEnv, make, make_vec  # noqa: E402
+from amorsim.tasks import PointGoal  # noqa: E402
+from amorsim.tasks.goals import goal_within  # noqa: E402
 from amorsim.testing import check_vector_env  # noqa: E402
 from tests import building  # noqa: E402
 
@@ -144,15 +147,16 @@ def test_goals_are_drawn_as_far_as_asked_and_clear_of_walls() -> None:
     many.reset(seed=0)
     goals = many._episode["goal"]
     away = np.hypot(*(goals - many.simulation.true_pose[:, :2]).T)
-    assert away.min() >= 0.5
-    assert away.max() <= 1.5
+    # The way leads over eight neighbours of squares 0.05 m wide, so it is up to 8.3 % longer than the straight line.
+    assert away.min() >= 0.5 / 1.083 - 0.05
+    assert away.max() <= 1.5 + 0.05
     assert am.analysis.distances_to_walls(goals, small().map.segments).min() >= 0.3
 
 
 def judged(task: PointGoal, before: float, to: float, touching: bool) -> Any:
     episode = {"goal": np.zeros((1, 2)), "distance": np.array([before])}
     pose = np.array([[to, 0.0, 0.0]])
-    truth = Truth(pose, np.zeros((1, 3)), np.array([touching]), lambda _: small().map)
+    truth = TrueState(pose, np.zeros((1, 3)), np.array([touching]), lambda _: small().map)
     return task.judge(truth, episode)
 
 
@@ -187,6 +191,42 @@ def test_a_drive_by_the_observation_reaches_the_goal() -> None:
             done |= new
     assert done.all()
     assert success.all()
+
+
+def test_goals_lie_where_a_way_leads() -> None:
+    """Behind a wall with a door, a goal is as far as the way through the door, and never in a closed room."""
+    walls = [(0, 0, 8, 0), (8, 0, 8, 4), (8, 4, 0, 4), (0, 4, 0, 0), (4, 0, 4, 3), (6, 0, 6, 4)]
+    world = am.Map.from_segments(np.array(walls, dtype=float), resolution=0.05)
+    start = np.array([3.5, 0.5])
+    numbers = (np.arange(400) + 0.5) / 400
+    given = {"clearance": 0.3, "way_clearance": 0.3}
+    goals = np.array([goal_within(world, start, 1.0, 4.0, number, **given) for number in numbers.tolist()])
+    # The way over the wall's end is at least 3 m up, and then down again on the other side.
+    beyond = goals[:, 0] > 4.0
+    assert goals[:, 0].max() < 6.0
+    assert beyond.any()
+    over = np.hypot(3.7 - start[0], 3.3 - start[1]) + np.hypot(*(goals[beyond] - [4.3, 3.3]).T) + 0.6
+    assert over.min() <= 4.0 + 0.1
+    assert (over <= 4.0 * 1.02).all()
+    assert goals[beyond, 1].min() > 2.0
+
+
+def test_a_picture_shows_robot_and_goal_of_each_environment() -> None:
+    many = envs(2, render_mode="rgb_array")
+    assert many.metadata["render_fps"] == 10
+    with pytest.raises(ValueError, match="before the first picture"):
+        envs(1, render_mode="rgb_array").render()
+    many.reset(seed=3)
+    first = many.render()
+    many.step(np.ones((2, 2), dtype=np.float32))
+    later = many.render()
+    for before, after in zip(first, later, strict=True):
+        assert before.dtype == np.uint8
+        assert before.shape[2] == 3
+        assert (before != after).any()
+        assert (before == [217, 95, 2]).all(axis=2).any()  # the goal's colour
+    assert envs(2).render() is None
+    check_env(gym.make("amorsim/PointGoal-v0", render_mode="rgb_array").unwrapped)
 
 
 def test_time_is_up_after_the_horizon() -> None:
@@ -246,5 +286,5 @@ def test_wrong_tasks_are_refused_in_words() -> None:
         )
     with pytest.raises(am.AmorsimError, match="period: expected a whole number of steps"):
         make_vec(small(), task=PointGoal(period=0.07))
-    with pytest.raises(TypeError, match="distance: a task that is given"):
-        make_vec(small(), task=TASK, distance=(1.0, 2.0))
+    with pytest.raises(am.AmorsimError, match="render_mode: expected None or 'rgb_array', got 'human'"):
+        make_vec(small(), task=TASK, render_mode="human")

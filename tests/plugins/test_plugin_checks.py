@@ -391,7 +391,7 @@ def test_a_field_that_is_a_component_names_its_kind_and_its_contract():
         unit: ClassVar[str] = "m"
         way: Planner = parameter(component="way")
 
-    expected = "component: expected planner or controller or estimator or motion, found 'way'"
+    expected = "component: expected planner or controller or estimator or motion or task, found 'way'"
     assert expected in only(check_class("sensor", Sensor, Unknown))
 
     @frozen

@@ -63,7 +63,7 @@ def good_value(parameter: Parameter):
     """A value within bounds, as files have it."""
     (kind, *_) = options_of(parameter.type)
     if parameter.component:
-        return {"use": {"planner": "a_star", "controller": "dwa"}[parameter.component]}
+        return {"use": {"planner": "a_star", "controller": "dwa", "task": "point_goal"}[parameter.component]}
     if parameter.choices:
         return parameter.choices[0]
     if parameter.file:
@@ -152,6 +152,9 @@ def place_of(kind, name):
     if kind == "motion":
         document["obstacles"][0]["motion"] = component
         return document, ("obstacles", 0, "motion"), ""
+    if kind == "task":
+        document["task"] = component
+        return document, ("task",), ""
     raise AssertionError(f"a kind with no place in a document: {kind}")
 
 

@@ -20,6 +20,7 @@ from amorsim.controllers import (
     NearnessDiagram,
     Orca,
     PathPursuit,
+    Policy,
     PotentialField,
     Pursuit,
     SocialForce,
@@ -34,15 +35,17 @@ from amorsim.plugins.manager import make_registry
 from amorsim.scenario.spec import Pose
 from amorsim.sensors.fiducial import Fiducial
 from amorsim.sensors.infrared import Infrared
+from amorsim.sensors.laser import Laser
 from amorsim.sensors.neighbours import Neighbours
 from amorsim.sensors.sonar import Sonar
+from amorsim.tasks import PointGoal
 from amorsim.testing import check_component
 from tests import building
 
 REGISTRY = make_registry(entry_points=[])
 KINDS = (
     *("drive", "sensor", "noise", "map_loader", "scenario_loader", "world_generator", "motion", "estimator"),
-    *("controller", "planner", "recorder", "metric"),
+    *("controller", "planner", "recorder", "metric", "task"),
 )
 CASES = [(kind, name) for kind in KINDS for name in REGISTRY.names(kind)]
 
@@ -67,6 +70,7 @@ SETTINGS: dict[tuple[str, str], dict[str, Any]] = {
         ("controller", name): {"sensors": {"neighbours": Neighbours()}}
         for name in ("orca", "hrvo", "human_like", "social_force")
     },
+    ("controller", "policy"): {"sensors": {"laser": Laser(beams=181)}},
     ("controller", "follow"): {"sensors": {"fiducial": Fiducial()}},
     # It sees some centimetres: the wall is so near.
     ("sensor", "infrared"): {"scene": building.scenario(building.robot(pose=Pose(x=5.92, y=2.0)))},
@@ -86,6 +90,11 @@ EXAMPLES: dict[type, Any] = {
     Oscillate: Oscillate(**_ROUTE),
     Pursuit: Pursuit(waypoints=((4.0, 4.0), (6.0, 4.0), (6.0, 5.0)), loop=True),
     Navigate: Navigate(goals=((6.0, 4.0), (4.0, 4.0)), planner=AStar(cell=0.1)),
+    Policy: Policy(
+        file=str(REGISTRY.file("scenario", "learned").with_name("point-goal.onnx")),
+        task=PointGoal(),
+        goals=((6.0, 4.0), (4.0, 4.0)),
+    ),
     Mppi: Mppi(goals=((6.0, 4.0),), samples=20, time_steps=10),
     **{
         kind: kind(goals=((6.0, 4.0), (4.0, 4.0)), loop=True)

@@ -117,6 +117,8 @@ def _at(values: Mapping[str, Any], path: Path_, registry: Registry, folder: Path
             return _of_use(values, path[:3], "recorder", registry)
         case ("recording", *rest):
             return _At(Recording, tuple(rest), names=("sensors", "picture"))
+        case ("task", *rest):
+            return _of_use(values, ("task",), "task", registry, tuple(rest))
         case ("landmarks", int(), *rest):
             return _At(Landmark, tuple(rest))
         case ("lights", int(), *rest):

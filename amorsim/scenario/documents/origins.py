@@ -22,7 +22,8 @@ from amorsim.scenario.toml.literals import are_same
 __all__ = ["KINDS", "Origin", "Origins", "kind_of", "lifted"]
 
 
-_OF_SCENARIOS = {"world", "robots", "simulation", "recording", "obstacles", "landmarks", "lights", "zones", "floor"}
+_OF_SCENARIOS = {"world", "robots", "simulation", "task"}
+_OF_SCENARIOS |= {"recording", "obstacles", "landmarks", "lights", "zones", "floor"}
 _OF_MODELS = {"drive", "shape", "sensors", "estimators", "controller", "ground", "errors", "on_collision"}
 _INHERITED = set(MODEL_KEYS) - {"model", "format", "description"}
 

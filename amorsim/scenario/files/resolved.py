@@ -122,6 +122,8 @@ class _Writer:
                 for i, series in enumerate(series_of(scenario.robots))
             ],
         }
+        if scenario.task is not None:
+            table["task"] = self._component("task", scenario.task, "task")
         if scenario.obstacles:
             table["obstacles"] = [
                 self._series(series, self._obstacle(series[0], f"obstacles.{i}"))

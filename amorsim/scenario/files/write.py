@@ -29,6 +29,7 @@ _HEADED = (
     ("world",),
     ("simulation",),
     ("recording",),
+    ("task",),
     ("floor",),
     ("robots", "shape"),
     ("robots", "drive"),

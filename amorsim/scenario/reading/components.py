@@ -6,7 +6,7 @@ from typing import Any
 
 import attrs
 
-from amorsim.contracts import Drive, Estimator, Motion, Mount, Sensor
+from amorsim.contracts import Drive, Estimator, Motion, Mount, Sensor, Task
 from amorsim.core.errors import PluginError
 from amorsim.core.parameters import ParameterError
 from amorsim.plugins.registry import KINDS, Registry
@@ -24,6 +24,7 @@ __all__ = [
     "read_motion",
     "read_recording",
     "read_sensor",
+    "read_task",
 ]
 
 _SENSOR_KEYS = ("use", "mount", "rate", "latency", "noise")
@@ -148,6 +149,12 @@ def read_recording(node: Node, registry: Registry) -> Recording | None:
     if recording is None:
         return None
     return attrs.evolve(recording, also=[recorder for recorder in recorders if recorder is not None])
+
+
+def read_task(node: Node, registry: Registry) -> Task | None:
+    """The task of a learner: a table whose ``use`` names it."""
+    task: Task | None = _read(node, "task", registry, ("use",))
+    return task
 
 
 def _class(node: Node, kind: str, registry: Registry) -> type[Any] | None:

@@ -14,7 +14,7 @@ from amorsim.core.map import Map
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.files.models import check_format, drop_removed, merge_models
 from amorsim.scenario.reading.alike import read_alike
-from amorsim.scenario.reading.components import read_recording
+from amorsim.scenario.reading.components import read_recording, read_task
 from amorsim.scenario.reading.faults import FaultCollector, Node, Source
 from amorsim.scenario.reading.fields import file_fields, read_component, read_fields
 from amorsim.scenario.reading.floor_file import read_floor
@@ -28,7 +28,7 @@ from amorsim.worlds.drawn import origin_of
 __all__ = ["book_of", "read_top", "read_values"]
 
 _KEYS = (
-    *("format", "description", "world", "simulation", "recording"),
+    *("format", "description", "world", "simulation", "recording", "task"),
     *("robots", "obstacles", "landmarks", "lights", "zones", "floor"),
 )
 _TIMES = ("dt", "duration", "seed")
@@ -93,6 +93,8 @@ def read_top(top: Node, registry: Registry, maps: Maps, starts: bool, is_map_alo
         values.update(read_fields(node, fields))
     if "recording" in top:
         values["recording"] = read_recording(top.child("recording"), registry)
+    if "task" in top:
+        values["task"] = read_task(top.child("task"), registry)
     for key, kind in (("landmarks", Landmark), ("lights", Light)):
         things = top.child(key)
         if things.value is not None and things.expect_list(f"a list of tables, [[{key}]]"):

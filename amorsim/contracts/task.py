@@ -4,24 +4,24 @@ from __future__ import annotations
 
 import abc
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Draws, Estimate, Measurement, RobotModel, parameter
+from amorsim.contracts.robot import RobotModel
+from amorsim.contracts.values import Array, Estimate, Measurement, State
+from amorsim.core.draws import Draws
 from amorsim.core.map import Map
+from amorsim.core.parameters import parameter
 
-__all__ = ["Episode", "Known", "Outcome", "Task", "Truth"]
+__all__ = ["Observable", "StepOutcome", "Task", "TrueState"]
 
-Array = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
-Episode = dict[str, npt.NDArray[Any]]
-"""What a task keeps of the present episodes: arrays ``(N, ...)`` by name."""
 
 
-class Known(NamedTuple):
+class Observable(NamedTuple):
     """What the robots know, a row for each environment. Observations are made of this alone."""
 
     robot: RobotModel  # nominal parameters, and the map if the robots know one
@@ -30,7 +30,7 @@ class Known(NamedTuple):
     action: Array  # (N, a) the last one; 0 at the start
 
 
-class Truth(NamedTuple):
+class TrueState(NamedTuple):
     """What is true, a row for each environment. Rewards and ends of episodes are made of this."""
 
     pose: Array  # (N, 3) [m, m, rad]
@@ -39,7 +39,7 @@ class Truth(NamedTuple):
     map_of: Callable[[int], Map]  # of a row
 
 
-class Outcome(NamedTuple):
+class StepOutcome(NamedTuple):
     """The judgement of a step, a row for each environment."""
 
     reward: Array  # (N,)
@@ -74,17 +74,24 @@ class Task(abc.ABC):
         """The least and greatest observations `(k,)`."""
 
     @abc.abstractmethod
-    def begin(self, truth: Truth, draws: Draws) -> Episode:
+    def begin(self, truth: TrueState, draws: Draws) -> State:
         """What a task keeps of these rows' new episodes; `draws` are of the environment's seed and the episode."""
 
+    def episode_for(self, goals: Array) -> State:
+        """What `observe` needs of episodes whose goals `(N, 2)` [m] are given: for a policy that drives in a scenario.
+
+        A task without goals leaves it as it is.
+        """
+        return {"goal": goals}
+
     @abc.abstractmethod
-    def observe(self, known: Known, episode: Episode) -> Array:
+    def observe(self, known: Observable, episode: State) -> Array:
         """The observations `(N, k)`."""
 
     @abc.abstractmethod
-    def judge(self, truth: Truth, episode: Episode) -> Outcome:
+    def judge(self, truth: TrueState, episode: State) -> StepOutcome:
         """The outcome of the last step; it may change the arrays of `episode`, row by row."""
 
-    def privileged(self, truth: Truth, episode: Episode) -> Array:
+    def privileged(self, truth: TrueState, episode: State) -> Array:
         """True quantities for a critic `(N, p)`: by default the true pose and twist."""
         return np.concatenate((truth.pose, truth.twist), axis=1)

@@ -2,23 +2,16 @@
 
 from __future__ import annotations
 
-import functools
-from collections.abc import Sequence
-
 import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Draws, RobotModel, parameter
-from amorsim.core.free_places import free_places
-from amorsim.core.map import Map
-from amorsim.learning.contracts import Episode, Known, Outcome, Task, Truth
+from amorsim.contracts import Draws, Observable, RobotModel, State, StepOutcome, Task, TrueState, parameter
+from amorsim.tasks.goals import goal_within
 
 __all__ = ["PointGoal"]
 
 Array = npt.NDArray[np.float64]
-
-_TRIES = 64  # places that are drawn for a goal: the first one that is far and near enough is taken
 
 
 @attrs.frozen(kw_only=True)
@@ -39,15 +32,18 @@ class PointGoal(Task):
     tolerance
         True distance from the goal at which it is reached [m].
     distance
-        Least and greatest distance of the goal from the start [m].
-    clearance
-        Distance of goals from walls, at least [m].
+        Least and greatest length of the way from the start to the goal [m].
+    clearance, way_clearance
+        Distance of goals, and of the ways to them, from walls, at least [m].
     """
 
     sensor: str = parameter("laser", help="range sensor that is observed")
     tolerance: float = parameter(0.4, unit="m", gt=0, help="true distance at which the goal is reached")
-    distance: Sequence[float] = parameter((1.0, 4.0), unit="m", help="least and greatest distance of goals")
+    distance: tuple[float, float] = parameter(
+        (1.0, 4.0), unit="m", help="least and greatest length of the way to the goal"
+    )
     clearance: float = parameter(0.5, unit="m", ge=0, help="distance of goals from walls, at least")
+    way_clearance: float = parameter(0.3, unit="m", ge=0, help="distance from walls of the way to a goal, at least")
     success_reward: float = parameter(10.0, help="at the goal")
     collision_reward: float = parameter(-10.0, help="for touching anything")
     time_reward: float = parameter(-0.1, unit="1/s", help="for each second")
@@ -63,23 +59,25 @@ class PointGoal(Task):
         low = np.concatenate(([0.0, -1.0, -1.0, -1.0, -1.0], np.zeros(beams)))
         return low, np.concatenate(([self._farthest, 1.0, 1.0, 1.0, 1.0], np.ones(beams)))
 
-    def begin(self, truth: Truth, draws: Draws) -> Episode:
-        """Goals, drawn from the free places of each world."""
-        uniform = draws.uniform(_TRIES)
-        rows = np.arange(len(uniform))
-        worlds = [truth.map_of(row) for row in rows.tolist()]
-        tried = np.empty((len(rows), _TRIES, 2))
-        for world in {id(one): one for one in worlds}.values():
-            here = np.array([one is world for one in worlds])
-            places = _goals_in(world, self.clearance)
-            tried[here] = places[np.minimum((uniform[here] * len(places)).astype(np.int64), len(places) - 1)]
-        near, far = self.distance
-        away = np.hypot(*np.moveaxis(tried - truth.pose[:, None, :2], 2, 0))
-        outside = np.maximum(np.maximum(near - away, away - far), 0.0)
-        goals = tried[rows, np.argmin(outside, axis=1)]  # the first within, or else the one that is nearest to that
+    def begin(self, truth: TrueState, draws: Draws) -> State:
+        """Goals, drawn among the free places of each world by the length of the way there."""
+        uniform = draws.uniform(1)[:, 0]
+        goals = np.array(
+            [
+                goal_within(
+                    truth.map_of(row),
+                    truth.pose[row, :2],
+                    *self.distance,
+                    float(uniform[row]),
+                    clearance=self.clearance,
+                    way_clearance=self.way_clearance,
+                )
+                for row in range(len(uniform))
+            ]
+        )
         return {"goal": goals, "distance": np.hypot(*(goals - truth.pose[:, :2]).T)}
 
-    def observe(self, known: Known, episode: Episode) -> Array:
+    def observe(self, known: Observable, episode: State) -> Array:
         """The observations `(N, 5 + beams)`."""
         model = known.robot.sensors[self.sensor]
         longest = np.asarray(getattr(model.sensor, "range_max")).reshape(-1, 1)  # noqa: B009 - of range sensors alone
@@ -92,7 +90,7 @@ class PointGoal(Task):
         ranges = np.where(ranges < 1.0, ranges, 1.0)  # no return, and no reading yet, are the longest too
         return np.concatenate((goal, known.action, np.maximum(ranges, 0.0)), axis=1)
 
-    def judge(self, truth: Truth, episode: Episode) -> Outcome:
+    def judge(self, truth: TrueState, episode: State) -> StepOutcome:
         """Reward for coming nearer, for the goal, and for touching something."""
         before = episode["distance"]
         distance = np.hypot(*(episode["goal"] - truth.pose[:, :2]).T)
@@ -101,10 +99,4 @@ class PointGoal(Task):
         reward = before - distance + self.time_reward * self.period
         reward += np.where(reached, self.success_reward, 0.0)
         reward += np.where(truth.is_touching, self.collision_reward, 0.0)
-        return Outcome(reward, reached | truth.is_touching, reached)
-
-
-@functools.lru_cache(maxsize=256)
-def _goals_in(world: Map, clearance: float) -> Array:
-    """Free places `(M, 2)` [m] that far from all walls."""
-    return free_places(world, clearance)[0]
+        return StepOutcome(reward, reached | truth.is_touching, reached)

@@ -1,0 +1,52 @@
+"""Pictures of environments, as learners record them: the true world from above, and the goal."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import State
+from amorsim.core.shapes import Shape
+from amorsim.render.animation import Animation, Shown
+from amorsim.runs.film import bodies_in, poses_in
+from amorsim.simulation.simulation import Simulation
+
+__all__ = ["Pictures"]
+
+_GOAL = Shown(outline=Shape.circle(0.12).outline, is_robot=False, colour="#d95f02")
+
+
+class Pictures:
+    """Draws environments, each with the trail of its present episode as far as it was drawn.
+
+    Parameters
+    ----------
+    simulation
+        Whose replicas are the environments.
+    size
+        Longer side of a picture [px].
+    """
+
+    def __init__(self, simulation: Simulation, size: int) -> None:
+        self._simulation = simulation
+        self._size = size
+        self._bodies = bodies_in(simulation)
+        self._drawn: dict[int, tuple[int, Animation]] = {}  # by row: the episode and its frames
+
+    def draw(self, row: int, episode: State) -> npt.NDArray[np.uint8]:
+        """The picture `(height, width, 3)` of an environment."""
+        simulation = self._simulation
+        number = int(simulation.episodes[row])
+        if self._drawn.get(row, (-1,))[0] != number:
+            world = simulation.map_of(simulation.replicas[row])
+            bodies = [*self._bodies, _GOAL] if "goal" in episode else self._bodies
+            self._drawn[row] = (
+                number,
+                Animation(world, bodies, patches=simulation.scenario.floor.patches, size=self._size),
+            )
+        animation = self._drawn[row][1]
+        poses = poses_in(simulation, row)
+        if "goal" in episode:
+            poses = np.concatenate((poses, [[*episode["goal"][row, :2], 0.0]]))
+        animation.add(float(simulation.ticks[row]) * simulation.dt, poses)
+        return np.asarray(animation.frame(len(animation) - 1))
