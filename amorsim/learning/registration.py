@@ -21,7 +21,13 @@ __all__ = ["TASKS", "make", "make_vec", "register_all"]
 _SCENARIOS = Path(__file__).parent / "scenarios"
 
 
-TASKS = {"amorsim/PointGoal-v0": "point-goal.toml"}
+TASKS = {
+    "amorsim/PointGoal-v0": "point-goal.toml",
+    "amorsim/Maze-v0": "maze.toml",
+    "amorsim/Barn-v0": "barn.toml",
+    "amorsim/Crowd-v0": "crowd.toml",
+    "amorsim/Doors-v0": "doors.toml",
+}
 """The scenario of each, by the name that Gymnasium has for it."""
 
 

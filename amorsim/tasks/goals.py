@@ -67,7 +67,7 @@ def goal_within(
     return _middle(world, lattice.side, top + chosen // width, left + chosen % width)
 
 
-@functools.lru_cache(maxsize=256)
+@functools.lru_cache(maxsize=2048)  # 0.1 MB each; environments may have worlds of their own
 def _lattice(world: Map, clearance: float, way_clearance: float) -> _Lattice:
     ways, side = free_places(world, way_clearance)
     goals, _ = free_places(world, clearance)
