@@ -19,7 +19,7 @@ BEARINGS = np.radians(TAKEN - 90.0)  # [rad] of these, to the left above 0
 LASER_AHEAD = 0.091  # [m] of the robot's middle
 METRES_PER_COUNT = 2.0 * math.pi * 0.0825 / 39400.0  # of a wheel
 TRACK = 0.33  # [m] between the wheels
-FIRST, PARTICLES = 5000, 1000  # how many there are at first, and once they were drawn anew
+FIRST, PARTICLES = 20_000, 2_000  # how many there are at first, and once they were drawn anew
 
 
 class Estimator:
