@@ -9,6 +9,7 @@ from pathlib import Path
 
 import attrs
 
+from amorsim.core.atomic_files import copy_file, write_text
 from amorsim.core.errors import StudyError
 from amorsim.core.unknown_names import no_such
 
@@ -130,9 +131,9 @@ def start_lab(lab: Lab, folder: Path, *, solutions: bool = False) -> list[str]:
         for file in files:
             if file.name == HANDOUT:
                 text = _LINK.sub(r"\1 (amorsim's docs: \2)", file.read_text(encoding="utf-8"))
-                (folder / HANDOUT).write_text(text, encoding="utf-8")
+                write_text(folder / HANDOUT, text)
             else:
-                shutil.copyfile(file, folder / file.name)
+                copy_file(file, folder / file.name)
         if solutions and (lab.folder / SOLUTIONS).is_dir():
             shutil.copytree(lab.folder / SOLUTIONS, folder / SOLUTIONS, ignore=shutil.ignore_patterns("__pycache__"))
     except OSError as error:

@@ -24,10 +24,11 @@ MAZE = Path(example.__file__).parent / "scenarios" / "two_rooms.maze"
         example.Flood(),
         example.Shuttle(speed=0.5),
         example.Posts(posts=50),
+        example.Roam(),
     ],
     ids=[
         *("tricycle", "tricycle, narrow", "beacon", "drift", "tally", "detour"),
-        *("bounce", "flood", "shuttle", "posts"),
+        *("bounce", "flood", "shuttle", "posts", "roam"),
     ],
 )
 def test_component(component: object) -> None:

@@ -15,6 +15,7 @@ NAMES = {
     "map_loader": ("maze", example.Maze),
     "recorder": ("tally", example.Tally),
     "metric": ("detour", example.Detour),
+    "task": ("roam", example.Roam),
     "scenario_loader": ("course", example.Course),
     "world_generator": ("posts", example.Posts),
     "controller": ("bounce", example.Bounce),

@@ -11,6 +11,7 @@ from amorsim_example.drift import Drift
 from amorsim_example.flood import Flood
 from amorsim_example.maze import Maze
 from amorsim_example.posts import Posts
+from amorsim_example.roam import Roam
 from amorsim_example.shuttle import Shuttle
 from amorsim_example.tally import Tally
 from amorsim_example.tricycle import Tricycle
@@ -25,6 +26,7 @@ __all__ = [
     "Flood",
     "Maze",
     "Posts",
+    "Roam",
     "Shuttle",
     "Tally",
     "Tricycle",

@@ -34,5 +34,6 @@ def amorsim_register(registry: Registry) -> None:
     registry.motion("shuttle", "amorsim_example.shuttle:Shuttle")
     registry.recorder("tally", "amorsim_example.tally:Tally")
     registry.metric("detour", "amorsim_example.detour:Detour")
+    registry.task("roam", "amorsim_example.roam:Roam")
     registry.robot("example-tricycle", _HERE / "robots" / "tricycle.toml")
     registry.scenario("example-maze", _HERE / "scenarios" / "maze.toml")
