@@ -321,6 +321,7 @@ class Simulation:
             )
         return Readings(self._fleet.groups[0])
 
+    @checked
     def known(self, name: str) -> Known:
         """What a robot knows, a row for each replica: as its controller is given it. Read it again after a step.
 
