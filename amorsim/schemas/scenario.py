@@ -221,7 +221,11 @@ def _robot(registry: Registry) -> Schema:
     has_model = {"if": {"required": ["model"]}, "else": alone}
     return {
         **_closed(properties, about="a robot: its model, where it starts, its errors and its software"),
-        "allOf": [has_model, *(_if_model(name, registry) for name in _models(registry))],
+        "allOf": [
+            has_model,
+            *(_if_model(name, registry) for name in _models(registry)),
+            *(_if_drive(name, cls) for name, cls in registered(registry, "drive")),
+        ],
     }
 
 
@@ -253,6 +257,13 @@ def _if_model(name: str, registry: Registry) -> Schema:
         "then": {"properties": {"errors": {"properties": errors}}},
     }
     return {"if": {"properties": {"model": {"const": name}}, "required": ["model"]}, "then": then}
+
+
+def _if_drive(name: str, cls: type) -> Schema:
+    """What errors a robot may have whose table names its drive."""
+    drive = {"properties": {"use": {"const": name}}, "required": ["use"]}
+    then = {"properties": {"errors": {"properties": {"drive": _errors_of(cls)}}}}
+    return {"if": {"properties": {"drive": drive}, "required": ["drive"]}, "then": then}
 
 
 def _use(table: Schema | None, registry: Registry) -> str:

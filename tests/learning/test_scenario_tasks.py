@@ -60,6 +60,16 @@ def test_wrong_tasks_are_faults_at_their_line(task: str, words: str, tmp_path: P
         am.load(written(tmp_path, task))
 
 
+def test_a_policy_without_its_task_is_told_how_to_name_one(tmp_path: Path) -> None:
+    file = written(tmp_path, "")
+    text = file.read_text(encoding="utf-8")
+    file.write_text(text.replace('{ use = "manual" }', '{ use = "policy", file = "mine.onnx" }'), encoding="utf-8")
+    with pytest.raises(
+        am.ScenarioError, match=r"controller.task: missing; expected a table with use = the name of a task"
+    ):
+        am.load(file)
+
+
 def test_what_has_no_task_is_refused_in_words() -> None:
     with pytest.raises(ValueError, match=r"demo: expected a scenario with \[task\]"):
         make_vec("demo")

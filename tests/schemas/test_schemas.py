@@ -30,7 +30,6 @@ BEYOND = (
     "there is no such file",
     "the true value is wrong",
     "the robot has no",
-    "no parameter",  # of a drive, which its errors name
     "names must differ",
     "a robot that knows nothing",
     "expected a pose for each",

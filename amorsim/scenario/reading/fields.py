@@ -84,7 +84,8 @@ def read_fields(node: Node, fields: Mapping[str, Parameter], skip: tuple[str, ..
         if key not in node:
             if parameter.is_required:
                 about = f" ({parameter.help})" if parameter.help else ""
-                child.fault(f"missing; expected {in_file(key, parameter).expectation}{about}")
+                expected = parameter.file_type_name if parameter.component else in_file(key, parameter).expectation
+                child.fault(f"missing; expected {expected}{about}")
             continue
         value = _read(child, key, parameter)
         if value is not _BAD:
