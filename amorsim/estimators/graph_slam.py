@@ -21,15 +21,14 @@ from amorsim.contracts import (
     parameter,
 )
 from amorsim.estimators.map_area import MapArea, area_of, area_origins, log_odds_evidence, map_beliefs
-from amorsim.estimators.node_graph import NodeGraph, empty_nodes, loops_of, near_nodes
+from amorsim.estimators.node_graph import NodeGraph, empty_nodes, loops_of, near_node
 from amorsim.estimators.scan_tracking import ScanTracker
-from amorsim.estimators.scans import beams_of
+from amorsim.estimators.scans import beams_of, mounts_of
 from amorsim.kernels.mapping import occupancy
 from amorsim.kernels.mapping.nodes import add_nodes
 from amorsim.kernels.mapping.scan_cells import window_for
-from amorsim.kernels.matching import tracking
+from amorsim.kernels.matching import icp, submaps
 from amorsim.kernels.matching.correlative import Window
-from amorsim.kernels.matching.icp import Search
 
 __all__ = ["GraphSlam"]
 
@@ -43,9 +42,10 @@ class GraphSlam(MapArea, ScanTracker):
     """Maps and localizes at once: key scans are the nodes of a pose graph, which is solved when a loop closes.
 
     It follows the robot as `scan_matching` does. Each key scan is a node, linked to the one before by what wheels and
-    matches gave. A new node near an old one, at least `loop_gap` nodes ago, is matched with it. If the match is good,
-    it becomes an edge, and all poses are solved for again. The map is drawn from the key scans at the poses of their
-    nodes, and drawn again whenever these move.
+    matches gave. A new node near an old one, at least `loop_gap` nodes ago, is matched with a submap: the key scans
+    around the old one. If the match is good, it becomes an edge, and all poses are solved for again, where edges that
+    the others contradict count little. The map is drawn from the key scans at the poses of their nodes, and drawn
+    again when these have moved by more than half a cell.
 
     Parameters
     ----------
@@ -53,6 +53,8 @@ class GraphSlam(MapArea, ScanTracker):
         A node is looked for around a new one as far as this [m].
     loop_gap
         Nodes between the two ends of a loop, at least.
+    loop_scans
+        Key scans before the old node, and after it, that are in its submap as well.
     loop_window, loop_window_angle
         How far around the present guess a loop's match is looked for [m, rad].
     loop_fit, loop_share
@@ -63,13 +65,14 @@ class GraphSlam(MapArea, ScanTracker):
 
     loop_distance: float = parameter(3.0, unit="m", gt=0, static=True, help="how far a loop's other end is looked for")
     loop_gap: int = parameter(10, ge=2, static=True, help="nodes between the ends of a loop, at least")
+    loop_scans: int = parameter(4, ge=0, le=50, static=True, help="key scans to either side in a loop's submap")
     loop_window: float = parameter(1.5, unit="m", gt=0, le=20, static=True, help="how far a loop's match is looked for")
     loop_window_angle: float = parameter(
         math.radians(30.0), unit="rad", ge=0, le=math.pi, static=True, help="how far around it is looked for"
     )
     loop_fit: float = parameter(0.6, ge=0, le=1, static=True, help="least fit of a loop's correlative stage")
-    loop_share: float = parameter(0.7, ge=0, le=1, static=True, help="least share of points on a loop's other end")
-    nodes: int = parameter(400, ge=2, le=20_000, static=True, help="the most nodes of the graph")
+    loop_share: float = parameter(0.5, ge=0, le=1, static=True, help="least share of points on a loop's other end")
+    nodes: int = parameter(1000, ge=2, le=20_000, static=True, help="the most nodes of the graph")
 
     def sources(self) -> Sequence[tuple[str, str, str]]:
         """The sources that predict the pose and correct it, and the loops that it accepts."""
@@ -117,8 +120,10 @@ class GraphSlam(MapArea, ScanTracker):
         first = graph.count - 1
         if self._close_loop(robot, state, row) and graph.solve():
             graph.take_pose()
-            state["log_odds"][row] = np.nan
-            first = 0
+            if graph.moved_since_drawn(first) > 0.5 * self.resolution:
+                state["log_odds"][row] = np.nan
+                first = 0
+        state["node_drawn"][row, first : graph.count] = graph.poses[first:]
         area, beams = area_of("graph_slam", self), beams_of(robot, self.laser)
         b, r = row % len(beams.cos_b), row % len(beams.range_max)
         reach = float(beams.range_max[r, 0])
@@ -140,22 +145,33 @@ class GraphSlam(MapArea, ScanTracker):
     def _close_loop(self, robot: RobotModel, state: State, row: int) -> bool:
         """Match a row's newest node with the nearest old one; whether that became an edge."""
         graph = NodeGraph(state, row)
-        near = near_nodes(graph, self.loop_gap, self.loop_distance)
+        newest = graph.count - 1
+        near = near_node(graph, self.loop_gap, self.loop_distance)
         if near is None:
             return False
+        around = np.arange(max(0, near - self.loop_scans), min(near + self.loop_scans, newest - 1) + 1)
+        scans = self._outlines_of(robot, row, state["node_ranges"][row, np.append(around, newest)])
         rules = self._rules()._replace(
             window=Window(float(self.loop_window), float(self.loop_window_angle), _ANGLE),
-            search=Search(float(self.range_std), 0.3, 60, 1e-6),
+            search=icp.Search(float(self.range_std), 0.3, 60, 1e-6),
         )
-        scans = self._outlines_of(robot, row, state["node_ranges"][row, [near, graph.count - 1]])
-        room = self._room(robot)
-        room.start[:] = graph.relative(near, graph.count - 1)
-        fit = tracking.align_outlines(scans, rules, room)
+        reach, room = self._reach(robot), self._room(robot)
+        room.start[:] = graph.relative(near, np.array([newest]))[0]
+        fit = submaps.align_with_submap(
+            scans,
+            graph.relative(near, around),
+            mounts_of(robot, self.laser)[row],
+            float(reach[row % len(reach), 0]),
+            np.empty_like(scans.points),
+            icp.reference(scans.points[:-1, :, 0].size),
+            rules,
+            room,
+        )
         found = room.result
         is_good = fit >= self.loop_fit and found.quality[0] >= self.loop_share
         if not is_good or found.values[0] < self.degenerate * found.values[2]:
             return False
-        return graph.link(near, graph.count - 1, found.pose, found.information)
+        return graph.close(near, found.pose, found.information)
 
     def beliefs(self, state: State) -> Beliefs:
         """The map and the graph, and of this step's match the beliefs of `scan_matching`.

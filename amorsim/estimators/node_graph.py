@@ -2,19 +2,30 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.algorithms.pose_graph import PoseGraph, covariance_of, optimize
+from amorsim.algorithms.pose_graph import PoseGraph, covariance_of, optimize_robustly
+from amorsim.algorithms.pose_graph.robust import weighted
 from amorsim.contracts import State
 from amorsim.core.errors import GraphError
-from amorsim.core.poses import relative
+from amorsim.core.poses import compose, relative, wrap_angle
 
-__all__ = ["NodeGraph", "empty_nodes", "loops_of", "near_nodes"]
+__all__ = ["NodeGraph", "empty_nodes", "loops_of", "near_node"]
 
 Array = npt.NDArray[np.float64]
 
-_STD = np.array([0.005, 0.005, 0.002])  # [m, m, rad] added to each edge: matches share errors that they do not know of
+_STD = np.array([0.01, 0.01, 0.004])  # [m, m, rad] added to each edge: matches share errors that they do not know of
+_ROUNDS = 3  # of weighing the edges in one step: the next loop goes on from there
+_MATCH = ("measurement", "information")
+_AGREE = (0.3, math.radians(5.0))  # [m, rad] up to which two places of a node are the same
+_PENDING = 8  # loops that wait for others
+_RECENT = 12  # nodes, after which a loop waits no longer
+_CONFIRMED = 1  # loops that must agree with one that moves the robot by more than _AGREE
+_ARM = 5.0  # [m] from a node, at which its scan's points are taken to be
+_TURN = 1.0  # [m] by which a node that looks the other way counts as farther away: it sees other walls
 
 
 def empty_nodes(rows: int, most: int, beams: int) -> State:
@@ -22,11 +33,16 @@ def empty_nodes(rows: int, most: int, beams: int) -> State:
     return {
         "node_count": np.zeros(rows, np.int64),
         "node_pose": np.full((rows, most, 3), np.nan),
+        "node_drawn": np.full((rows, most, 3), np.nan),
         "node_ranges": np.full((rows, most, beams), np.nan),
         "edge_count": np.zeros(rows, np.int64),
         "edge_nodes": np.full((rows, 2 * most, 2), -1, np.int64),
         "edge_measurement": np.full((rows, 2 * most, 3), np.nan),
         "edge_information": np.full((rows, 2 * most, 3, 3), np.nan),
+        "edge_weight": np.ones((rows, 2 * most)),
+        "pending_nodes": np.full((rows, _PENDING, 2), -1, np.int64),
+        "pending_measurement": np.full((rows, _PENDING, 3), np.nan),
+        "pending_information": np.full((rows, _PENDING, 3, 3), np.nan),
     }
 
 
@@ -69,7 +85,36 @@ class NodeGraph:
             self._link(count - 1, count, moved, spread)
         return True
 
-    def link(self, first: int, second: int, measured: Array, information: Array) -> bool:
+    def close(self, first: int, measured: Array, information: Array) -> bool:
+        """Let a match of the newest node with an old one close a loop, or wait; whether the graph has a new edge.
+
+        A loop that moves the robot far is believed when others of the last nodes move it to the same place: pairs that
+        are consistent, after J. G. Mangelson et al., "Pairwise consistent measurement set maximization for robust
+        multi-robot map merging" (2018).
+        """
+        state, row, newest = self._state, self._row, self.count - 1
+        place = _from(self.poses[first], measured)
+        nodes = state["pending_nodes"][row]
+        nodes[nodes[:, 1] < newest - _RECENT] = -1
+        agreeing: list[int] = []
+        if not _is_same(place, self.poses[newest]):
+            for slot in np.flatnonzero(nodes[:, 0] >= 0).tolist():
+                old, then = nodes[slot].tolist()
+                there = _from(self.poses[old], state["pending_measurement"][row, slot])
+                if _is_same(_from(there, self.relative(then, np.array([newest]))[0]), place):
+                    agreeing.append(slot)
+            if len(agreeing) < _CONFIRMED:
+                slot = int(np.argmin(nodes[:, 1]))
+                nodes[slot] = first, newest
+                state["pending_measurement"][row, slot] = measured
+                state["pending_information"][row, slot] = information
+                return False
+        for slot in agreeing:
+            self._close(*nodes[slot].tolist(), *(state[f"pending_{name}"][row, slot] for name in _MATCH))
+            nodes[slot] = -1
+        return self._close(first, newest, measured, information)
+
+    def _close(self, first: int, second: int, measured: Array, information: Array) -> bool:
         """Add an edge that closes a loop; False if there is no more room."""
         if int(self._state["edge_count"][self._row]) == self._state["edge_nodes"].shape[1]:
             return False
@@ -89,10 +134,10 @@ class NodeGraph:
         state["edge_information"][row, place] = 0.5 * (information + information.T)
         state["edge_count"][row] = place + 1
 
-    def relative(self, first: int, second: int) -> Array:
-        """The pose of a node in the frame of another one."""
+    def relative(self, first: int, others: npt.NDArray[np.int64]) -> Array:
+        """The poses (n, 3) of nodes in the frame of another one."""
         poses = self.poses
-        return np.asarray(relative(poses[first : first + 1], poses[second : second + 1])[0])
+        return relative(np.repeat(poses[first : first + 1], len(others), axis=0), poses[others])
 
     def graph(self) -> PoseGraph:
         """The graph, to be solved."""
@@ -106,16 +151,28 @@ class NodeGraph:
         )
 
     def solve(self) -> bool:
-        """Move all nodes to their most likely poses; False, and none is moved, if there are no such poses."""
+        """Move all nodes to their most likely poses; False, and none is moved, if there are no such poses.
+
+        Edges that the others contradict, loops or motions, are weighed down. A new one counts in full at first.
+        """
         graph = self.graph()
+        weights = self._state["edge_weight"][self._row, : len(graph.edges)]
         try:
-            found = optimize(graph, most_iterations=20)
-            covariance = covariance_of(graph, found.poses, len(found.poses) - 1)
+            found = optimize_robustly(graph, weights=weights, most_rounds=_ROUNDS)
+            trusted = weighted(graph, found.weights, found.poses)
+            covariance = covariance_of(trusted, found.poses, len(found.poses) - 1)
         except GraphError:
             return False
+        weights[:] = found.weights
         self._state["node_pose"][self._row, : self.count] = found.poses
         self._state["key_covariance"][self._row] = covariance
         return True
+
+    def moved_since_drawn(self, count: int) -> float:
+        """How far the first `count` nodes' scans have moved at most since they were drawn into the map [m]."""
+        off = self.poses[:count] - self._state["node_drawn"][self._row, :count]
+        far = np.hypot(off[:, 0], off[:, 1]) + _ARM * np.abs(wrap_angle(off[:, 2]))
+        return float(far.max(initial=0.0))
 
     def take_pose(self) -> None:
         """Put the row's robot, which is at its newest node, to where that node is now."""
@@ -125,12 +182,24 @@ class NodeGraph:
             state[name][row] = newest
 
 
-def near_nodes(graph: NodeGraph, gap: int, distance: float) -> int | None:
+def _from(pose: Array, moved: Array) -> Array:
+    """The pose (3,) after a displacement."""
+    return np.asarray(compose(pose[None], moved[None])[0])
+
+
+def _is_same(pose: Array, other: Array) -> bool:
+    """Whether two poses (3,) are the same place, as far as matches and the motion between them tell."""
+    off, turn = math.hypot(pose[0] - other[0], pose[1] - other[1]), abs(float(wrap_angle(pose[2] - other[2])))
+    return bool(off <= _AGREE[0] and turn <= _AGREE[1])
+
+
+def near_node(graph: NodeGraph, gap: int, distance: float) -> int | None:
     """The node nearest to the newest one among those at least `gap` nodes before it; None if none is that near."""
     poses = graph.poses
     old = poses[: max(0, len(poses) - gap)]
     if not len(old):
         return None
-    apart = (old[:, 0] - poses[-1, 0]) ** 2 + (old[:, 1] - poses[-1, 1]) ** 2
+    apart = np.hypot(old[:, 0] - poses[-1, 0], old[:, 1] - poses[-1, 1])
+    apart += _TURN * np.abs(np.sin(0.5 * (old[:, 2] - poses[-1, 2])))
     nearest = int(np.argmin(apart))
-    return nearest if apart[nearest] <= distance * distance else None
+    return nearest if apart[nearest] <= distance else None

@@ -24,7 +24,7 @@ from amorsim.contracts import (
 from amorsim.core.errors import ComponentError
 from amorsim.core.poses import compose
 from amorsim.estimators.ages import check_fresh
-from amorsim.estimators.scans import beams_of, check_laser
+from amorsim.estimators.scans import beams_of, check_laser, mounts_of
 from amorsim.estimators.starts import refuse_lost, start_state, with_start
 from amorsim.estimators.wheels import angles_of, check_encoder, is_current, reckon
 from amorsim.kernels.matching import tracking
@@ -41,6 +41,9 @@ _PICTURE = 0.04  # [m] cells of the correlative stage
 _BLUR = 0.06  # [m]
 _ANGLE = math.radians(1.0)  # between headings of the correlative stage; the second stage does the rest
 _FARTHEST = 20.0  # [m] from the robot that the correlative stage looks
+_KEY_SHARE = 0.6  # of points on the key, below which the scan becomes the next one
+_KEYS = 3  # scans' points that a key has room for
+_PAIR = 0.3  # [m] that a point and its line may be apart
 _MOST_STEPS = 60
 _TOLERANCE = 1e-6  # [m, rad]
 
@@ -65,8 +68,11 @@ class ScanTracker(Estimator):
         A matched scan becomes the next key when the robot has moved or turned this far since the last key [m, rad].
     window, window_angle
         How far around the wheels' pose the correlative stage looks [m, rad]; 0 leaves that stage out.
-    least_share
-        Share of a scan's points that must lie on the key scan; a match of fewer is refused.
+    least_fit
+        How well a scan must fit, from 0 to 1: the share of its points that lie on the key, less 0.4 for each where the
+        key's last scan saw through. A match that fits less is refused.
+    sure_fit
+        A scan that fits less is looked for in a window three times as large as well.
     degenerate
         A scan does not determine the pose if the least eigenvalue of its information is below this part of the largest.
     age_max
@@ -87,7 +93,8 @@ class ScanTracker(Estimator):
     window_angle: float = parameter(
         math.radians(10.0), unit="rad", ge=0, le=math.pi, static=True, help="how far around it looks"
     )
-    least_share: float = parameter(0.5, ge=0, le=1, static=True, help="share of points that must lie on the key scan")
+    least_fit: float = parameter(0.35, ge=0, le=1, static=True, help="fit below which a match is refused")
+    sure_fit: float = parameter(0.45, ge=0, le=1, static=True, help="fit below which a scan is looked for farther away")
     degenerate: float = parameter(0.01, ge=0, lt=1, static=True, help="ratio of eigenvalues that counts as degenerate")
     age_max: float = parameter(
         0.0, unit="s", ge=0, help="age at which a scan or encoder reading still counts as taken now"
@@ -133,7 +140,11 @@ class ScanTracker(Estimator):
             "scan_pose": pose.copy(),
             **start_state(context),
         }
-        state |= {f"key_{name}": array for name, array in empty_outlines(rows, beams)._asdict().items()}
+        size = _KEYS * beams
+        state["key_points"], state["key_lines"] = np.full((rows, size, 2), np.nan), np.full((rows, size, 4), np.nan)
+        state["key_order"] = np.repeat(np.arange(size)[None], rows, axis=0)
+        state["key_along"] = np.full((rows, size), np.inf)
+        state["key_seen"] = np.full((rows, beams, 2), np.nan)
         return state
 
     def _rules(self) -> tracking.Rules:
@@ -143,17 +154,21 @@ class ScanTracker(Estimator):
             float(self.match_angle),
             float(self.key_distance),
             float(self.key_angle),
-            min(1.0, 1.2 * float(self.least_share)),
-            float(self.least_share),
+            _KEY_SHARE,
+            float(self.least_fit),
+            float(self.sure_fit),
             float(self.degenerate),
             Window(float(self.window), float(self.window_angle), _ANGLE),
-            Search(float(self.range_std), max(0.3, 1.5 * float(self.window)), _MOST_STEPS, _TOLERANCE),
+            Search(float(self.range_std), _PAIR, _MOST_STEPS, _TOLERANCE),
         )
 
     def _room(self, robot: RobotModel) -> tracking.Room:
-        sensor: Any = robot.sensors[self.laser].sensor
-        reach = min(float(np.max(sensor.range_max)), _FARTHEST)
+        reach = float(self._reach(robot).max())
         return tracking.room(robot.sensors[self.laser].size, reach, _PICTURE, _BLUR)
+
+    def _reach(self, robot: RobotModel) -> Array:
+        """How far from the robot points are matched `(R, 1)`, R = 1 or N [m]."""
+        return np.minimum(beams_of(robot, self.laser).range_max, _FARTHEST)
 
     def _follow(
         self, who: str, robot: RobotModel, readings: Mapping[str, Measurement], state: State
@@ -173,7 +188,16 @@ class ScanTracker(Estimator):
         scans = self._outlines(robot, reading.measured)
         room = self._room(robot)
         fresh = np.ascontiguousarray(fresh)
-        tracking.track(scans, fresh, _keys(state), _tracks(state), self._rules(), room, state["match"], asked)
+        tracking.track(
+            scans,
+            fresh,
+            _keys(state, mounts_of(robot, self.laser)),
+            _tracks(state),
+            self._rules(),
+            room,
+            state["match"],
+            asked,
+        )
         state["scan"] = np.where(fresh[:, :, None], scans.points, state["scan"])
         state["scan_pose"] = np.where(fresh, state["pose"], state["scan_pose"])
         return asked, scans
@@ -196,7 +220,7 @@ class ScanTracker(Estimator):
 
     def _take_keys(self, robot: RobotModel, scans: tracking.Outlines, asked: Bools, state: State) -> None:
         """Let the scans of rows that ask for it be their next key."""
-        tracking.make_keys(scans, asked, _keys(state), _tracks(state), self._room(robot))
+        tracking.make_keys(scans, asked, _keys(state, mounts_of(robot, self.laser)), _tracks(state), self._room(robot))
 
     def _estimate(self, state: State) -> Estimate:
         covariance = np.empty_like(state["spread"])
@@ -206,10 +230,10 @@ class ScanTracker(Estimator):
     def beliefs(self, state: State) -> Beliefs:
         """Of this step's match: ``match_correction`` [m, m, rad], ``match_used``, and measures of how good it is.
 
-        ``match_share`` of points on the key scan, ``match_distance`` of these [m], ``match_fit`` of the correlative
-        stage, ``match_degenerate`` 1 or 0, ``match_weakest`` the ratio of eigenvalues, ``match_direction`` in which the
-        scan determines least (x, y, and turn as a length); nan where nothing was matched. ``scan``: the points of the
-        last scan in the world `(N, k, 2)` [m], as the robot believes them to be.
+        ``match_share`` of points on the key, ``match_distance`` of these [m], ``match_fit`` of the scan,
+        ``match_degenerate`` 1 or 0, ``match_weakest`` the ratio of eigenvalues, ``match_direction`` in which the scan
+        determines least (x, y, and turn as a length); nan where nothing was matched. ``scan``: the points of the last
+        scan in the world `(N, k, 2)` [m], as the robot believes them to be.
         """
         return LazyBeliefs(self._of_match(state))
 
@@ -236,8 +260,10 @@ def empty_outlines(rows: int, beams: int) -> tracking.Outlines:
     )
 
 
-def _keys(state: State) -> tracking.Outlines:
-    return tracking.Outlines(state["key_points"], state["key_lines"], state["key_rays"])
+def _keys(state: State, mounts: Array) -> tracking.Keys:
+    return tracking.Keys(
+        state["key_points"], state["key_lines"], state["key_order"], state["key_along"], state["key_seen"], mounts
+    )
 
 
 def _tracks(state: State) -> tracking.Tracks:

@@ -18,6 +18,7 @@ import amorsim as am
 from amorsim.analysis import read_log
 from amorsim.analysis.carmen import read_carmen
 from amorsim.core.errors import AnalysisError
+from amorsim.estimators import GraphSlam, ScanMatching
 from tests import building
 
 SHARED = Path(__file__).resolve().parents[3] / "shared" / "maps" / "logs"
@@ -168,3 +169,70 @@ def test_real_logs_are_read_whole(name: str, scans: int) -> None:
     assert times == sorted(times)
     odometry = np.array([one.odometry for one in messages if one.kind == "ODOM"])
     assert np.hypot(*np.diff(odometry[:, :2], axis=0).T).max() < 1.0  # it drives, and does not jump
+
+
+@pytest.mark.long
+@pytest.mark.skipif(not SHARED.exists(), reason="there are no shared logs")
+def test_few_scans_of_a_real_log_are_matched_wrongly() -> None:
+    """The wheels alone are off by more than 0.3 m or 5 degrees in 218 of the 909 increments."""
+    with_laser = with_real_laser()
+    runner = am.EstimatorRunner(with_laser, ScanMatching(wheel_variance=2e-3, range_std=0.02))
+    found = []
+    for entry in read_log(SHARED / "intel.gfs.log.gz", with_laser):
+        estimate = runner.update(*entry)
+        if "laser" in entry[1]:
+            found.append(estimate.pose)
+    corrected = corrected_poses(SHARED / "intel.gfs.log.gz")
+    off = am.relative(np.array(found[:-1]), np.array(found[1:])) - am.relative(corrected[:-1], corrected[1:])
+    wrong = (np.hypot(off[:, 0], off[:, 1]) > 0.3) | (np.abs(am.wrap_angle(off[:, 2])) > math.radians(5.0))
+    assert len(found) == 910
+    assert wrong.sum() <= 10  # 8 as measured
+
+
+@pytest.mark.long
+@pytest.mark.skipif(not SHARED.exists(), reason="there are no shared logs")
+def test_a_real_log_becomes_a_graph_about_as_right_as_the_corrected_path() -> None:
+    """Mean errors of the published relations: 0.46 m by the wheels, 0.042 m in a path that a particle filter made."""
+    given = with_real_laser()
+    runner = am.EstimatorRunner(given, GraphSlam(wheel_variance=2e-3, range_std=0.02))
+    times, poses, nodes, keys = [], [], [], []
+    for entry in read_log(SHARED / "intel.gfs.log.gz", given):
+        estimate = runner.update(*entry)
+        if "laser" in entry[1]:
+            graph = runner.beliefs["graph_poses"]
+            nodes.append(int(np.isfinite(graph[:, 0]).sum()) - 1)
+            keys.append(graph[nodes[-1]].copy())
+            times.append(entry[0])
+            poses.append(estimate.pose)
+    # Each scan stays where it was from its key, which has moved since.
+    final = am.compose(graph[nodes], am.relative(np.array(keys), np.array(poses)))
+    off = relation_distances(np.array(times), final)
+    assert len(off) >= 110
+    assert np.median(off) < 0.045  # 0.037 as measured
+    assert off.mean() < 0.06  # 0.050
+
+
+def relation_distances(times: Any, poses: Any) -> Any:
+    """Errors [m] in the relations of Kümmerle et al. (2009) between two scans of the log."""
+    with gzip.open(SHARED / "intel.relations.gz", "rt") as file:
+        rows = np.array([[float(word) for word in line.split()[:8]] for line in file if len(line.split()) >= 8])
+    at = rows[:, :2] - 976052857.3373  # the log's times begin there, and have 10 ms
+    places = np.abs(times[None, None] - at[:, :, None]).argmin(axis=2)
+    kept = (np.abs(times[places] - at) < 0.006).all(axis=1) & (places[:, 0] != places[:, 1])
+    first, second = places[kept].T
+    return np.hypot(*(am.relative(poses[first], poses[second]) - rows[kept][:, [2, 3, 7]])[:, :2].T)
+
+
+def with_real_laser() -> Any:
+    """A robot with the laser of that log."""
+    laser = am.MountedSensor(sensor=am.sensors.Laser(beams=180, fov=math.radians(179.0), range_max=50.0))
+    model = am.load_robot("pioneer2dx", pose=am.Pose())
+    return attrs.evolve(model, sensors={"encoder": model.sensors["encoder"], "laser": laser})
+
+
+def corrected_poses(path: Path) -> Any:
+    """The poses (n, 3) that FLASER lines have, which a particle filter has corrected."""
+    with gzip.open(path, "rt") as file:
+        lines = [line.split() for line in file if line.startswith("FLASER")]
+    lines.sort(key=lambda words: float(words[-3]))  # their times
+    return np.array([[float(word) for word in words[2 + int(words[1]) :][:3]] for words in lines])

@@ -18,7 +18,7 @@ from amorsim.core.arguments import checked
 from amorsim.core.errors import GraphError
 from amorsim.core.poses import wrap_angle
 
-__all__ = ["Optimum", "chi2_of", "covariance_of", "linear_start", "optimize"]
+__all__ = ["Optimum", "chi2_of", "covariance_of", "linear_start", "optimize", "squared_errors"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -38,8 +38,13 @@ class Optimum(NamedTuple):
 @checked
 def chi2_of(graph: PoseGraph, poses: Array | None = None) -> float:
     """The sum of the squared errors of all edges at some poses `(n, 3)`, those of the graph if not given."""
-    errors = _errors(graph, graph.poses if poses is None else poses)
-    return float(np.einsum("ni,nij,nj->", errors, graph.information, errors))
+    return float(squared_errors(graph, graph.poses if poses is None else poses).sum())
+
+
+def squared_errors(graph: PoseGraph, poses: Array) -> Array:
+    """The squared error `(m,)` of each edge at some poses `(n, 3)`, measured by its information."""
+    errors = _errors(graph, poses)
+    return np.asarray(np.einsum("ni,nij,nj->n", errors, graph.information, errors))
 
 
 def _errors(graph: PoseGraph, poses: Array) -> Array:

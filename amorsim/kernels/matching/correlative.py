@@ -16,17 +16,19 @@ import numpy.typing as npt
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.kinematics.poses import wrap
 
-__all__ = ["BLOCK", "Picture", "Window", "add", "correlate", "draw", "picture"]
+__all__ = ["BLOCK", "Picture", "Window", "add", "clear", "correlate", "draw", "picture", "weigh"]
 
 Floats = npt.NDArray[np.float64]
 
 BLOCK = 8  # cells of the picture to a side of a coarse one
 _SPREAD = 3.0  # standard deviations to which points are blurred
+_PASSED = 0.4  # how much less a scan fits with a point where another one saw nothing
+_CLEAR = 3.0  # standard deviations before a point that a beam passes through
 _PULL = 0.05  # how much less a pose at the window's border fits: along a corridor all fit alike
 
 
 class Picture(NamedTuple):
-    """A blurred picture of points: how well a point fits in each cell, from 0 to 1."""
+    """A blurred picture of points: how well a point fits in each cell, from 0 to 1, and below 0 where space is free."""
 
     resolution: float  # [m]
     std: float  # [m] of the blur
@@ -83,6 +85,48 @@ def add(points: Floats, x: float, y: float, heading: float, out: Picture) -> Non
                     out.fine[r, k] = value
                     if value > out.coarse[r // BLOCK, k // BLOCK]:
                         out.coarse[r // BLOCK, k // BLOCK] = value
+
+
+@kernel
+def clear(points: Floats, x: float, y: float, out: Picture) -> None:
+    """Mark as free what beams from (x, y) [m] to points (k, 2) [m] pass through, but for cells near a point."""
+    side = out.fine.shape[0]
+    u = (x - out.corner[0]) / out.resolution
+    v = (y - out.corner[1]) / out.resolution
+    margin = _CLEAR * out.std / out.resolution
+    free = np.float32(-_PASSED)
+    for i in range(points.shape[0]):
+        if math.isnan(points[i, 0]):
+            continue
+        du = (points[i, 0] - x) / out.resolution
+        dv = (points[i, 1] - y) / out.resolution
+        length = math.sqrt(du * du + dv * dv)
+        for step in range(1, int(length - margin)):
+            col = math.floor(u + du * step / length)
+            row = math.floor(v + dv * step / length)
+            for r in range(max(row - 1, 0), min(row + 2, side)):
+                for k in range(max(col - 1, 0), min(col + 2, side)):
+                    if out.fine[r, k] == 0.0:
+                        out.fine[r, k] = free
+
+
+@kernel
+def weigh(on: Picture, points: Floats, pose: Floats) -> float:
+    """How well points (k, 2) at a pose (3,) fit a picture: the mean of their cells, 0 for no points."""
+    side = on.fine.shape[0]
+    c = math.cos(pose[2])
+    s = math.sin(pose[2])
+    total: Any = 0.0
+    count = 0
+    for i in range(points.shape[0]):
+        if math.isnan(points[i, 0]):
+            continue
+        count += 1
+        col = math.floor((pose[0] + c * points[i, 0] - s * points[i, 1] - on.corner[0]) / on.resolution)
+        row = math.floor((pose[1] + s * points[i, 0] + c * points[i, 1] - on.corner[1]) / on.resolution)
+        if 0 <= row < side and 0 <= col < side:
+            total += on.fine[row, col]
+    return float(total) / count if count > 0 else 0.0
 
 
 @part

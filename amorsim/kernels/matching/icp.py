@@ -14,20 +14,47 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.kernels.compile import kernel
+from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.kinematics.poses import wrap
 from amorsim.kernels.matching.outlines import Outline
 from amorsim.kernels.matching.symmetric import eigen, solve
+from amorsim.kernels.sorting import sort
 
-__all__ = ["Prior", "Result", "Search", "Work", "align", "fisher", "no_prior", "result", "work"]
+__all__ = [
+    "Prior",
+    "Reference",
+    "Result",
+    "Search",
+    "Work",
+    "align",
+    "fisher",
+    "index",
+    "no_prior",
+    "refer",
+    "reference",
+    "result",
+    "work",
+]
 
 Floats = npt.NDArray[np.float64]
 
 _ORDER = 0.7  # pairs farther apart than twice the distance that this part of them has are left out
 _BEYOND = 2.0
+_SURE = 2.0  # standard deviations of a range, within which no pair is left out
+_NEAR = 0.01  # [m, rad] step below which pairs are chosen more strictly
+_ALIKE = math.cos(math.radians(30.0))  # of the angle between the surfaces at both ends of a pair
 _GRAZING = 0.05  # added to the squared cosine of the incidence, as lines are never exact
 _UNDETERMINED = 1e-8  # eigenvalues below this part of the largest tell nothing
 _SLANT = 1e-3  # least cosine of the incidence in Fisher's information
+
+
+class Reference(NamedTuple):
+    """What scans are laid on, in the frame of a robot: points and short lines, nan beyond the last."""
+
+    points: Floats  # (s, 2) [m]
+    lines: Floats  # (s, 4) as of `Outline`
+    order: npt.NDArray[np.int64]  # (s,) the lines by their x
+    along: Floats  # (s,) [m] x in that order, inf beyond the last
 
 
 class Search(NamedTuple):
@@ -60,17 +87,42 @@ class Work(NamedTuple):
     """Room for one alignment of scans of k beams."""
 
     pairs: npt.NDArray[np.int64]  # (k,)
-    apart: Floats  # (k,)
+    apart: Floats  # (k,) square of the distance of a point from its line's point [m^2]
+    across: Floats  # (k,) and from the line
     ordered: Floats  # (k,)
     sums: Floats  # (3, 3)
     vectors: Floats  # (3, 3)
     numbers: Floats  # (3, 3): values, right side, step
 
 
+def reference(size: int) -> Reference:
+    """Room for a reference of so many points."""
+    return Reference(np.full((size, 2), np.nan), np.full((size, 4), np.nan), np.arange(size), np.full(size, math.inf))
+
+
+@kernel
+def refer(scan: Outline, out: Reference) -> None:
+    """Let a scan be the reference."""
+    out.points[:] = scan.points
+    out.lines[:] = scan.lines
+    index(out)
+
+
+@part
+def index(out: Reference) -> None:
+    """Put the lines of a reference in order."""
+    for j in range(out.along.shape[0]):
+        x = out.lines[j, 0]
+        out.along[j] = math.inf if math.isnan(x) else x
+        out.order[j] = j
+    sort(out.along, out.order)
+
+
 def work(beams: int) -> Work:
     """Room for one alignment."""
     return Work(
         np.empty(beams, np.int64),
+        np.empty(beams),
         np.empty(beams),
         np.empty(beams),
         np.empty((3, 3)),
@@ -89,9 +141,63 @@ def no_prior() -> Prior:
     return Prior(np.zeros(3), np.zeros((3, 3)))
 
 
+@part
+def _nearest(reference: Reference, x: float, y: float, u: float, v: float, farthest: float) -> tuple[int, float]:
+    """The line nearest to a point, on the side that a beam (u, v) hits, or -1; and the square of its distance."""
+    least = farthest * farthest
+    best = -1
+    size = reference.along.shape[0]
+    right = int(np.searchsorted(reference.along, x))
+    left = right - 1
+    while True:
+        before = x - reference.along[left] if left >= 0 else math.inf
+        after = reference.along[right] - x if right < size else math.inf
+        aside = min(before, after)
+        if not aside * aside < least:
+            return best, least
+        if before < after:
+            j = reference.order[left]
+            left -= 1
+        else:
+            j = reference.order[right]
+            right += 1
+        line = reference.lines[j]
+        across = y - line[1]
+        square = aside * aside + across * across
+        if square < least and line[2] * u + line[3] * v < 0.0:
+            least = square
+            best = int(j)
+
+
+@part
+def _is_unlike(reference: Reference, j: int, scan: Outline, i: int, c: float, s: float) -> bool:
+    """Whether the surface around a scan's point is turned against a line of the reference by too much."""
+    nx = c * scan.lines[i, 2] - s * scan.lines[i, 3]
+    ny = s * scan.lines[i, 2] + c * scan.lines[i, 3]
+    return bool(nx * reference.lines[j, 2] + ny * reference.lines[j, 3] < _ALIKE)  # never for nan
+
+
 @kernel
-def _pair(reference: Outline, scan: Outline, pose: Floats, farthest: float, at: Work) -> int:
-    """Pair each point with the nearest line's point; -1 where none is near. Returns how many points there are."""
+def _trim(apart: Floats, least: float, at: Work) -> None:
+    """Leave out pairs whose squares `apart` are much larger than most, and larger than `least`."""
+    count = 0
+    for i in range(at.pairs.shape[0]):
+        if at.pairs[i] >= 0:
+            at.ordered[count] = apart[i]
+            count += 1
+    at.ordered[:count].sort()
+    most = max(least, at.ordered[int(_ORDER * (count - 1))] * _BEYOND * _BEYOND)
+    for i in range(at.pairs.shape[0]):
+        if at.pairs[i] >= 0 and apart[i] > most:
+            at.pairs[i] = -1
+
+
+@kernel
+def _pair(reference: Reference, scan: Outline, pose: Floats, search: Search, is_near: bool, at: Work) -> int:
+    """Pair each point with the nearest line's point; -1 where none is near. Returns how many points there are.
+
+    Once the pose `is_near`, surfaces at both ends must be turned alike, and points lie near their lines.
+    """
     c = math.cos(pose[2])
     s = math.sin(pose[2])
     points = 0
@@ -105,32 +211,25 @@ def _pair(reference: Outline, scan: Outline, pose: Floats, farthest: float, at: 
         py = scan.points[i, 1]
         x = pose[0] + c * px - s * py
         y = pose[1] + s * px + c * py
-        least = farthest * farthest
-        best = -1
-        for j in range(reference.lines.shape[0]):
-            dx = x - reference.lines[j, 0]
-            dy = y - reference.lines[j, 1]
-            square = dx * dx + dy * dy
-            if square < least:  # never for nan
-                least = square
-                best = j
-        if best >= 0:
+        u = c * scan.rays[i, 0] - s * scan.rays[i, 1]
+        v = s * scan.rays[i, 0] + c * scan.rays[i, 1]
+        best, least = _nearest(reference, x, y, u, v, search.farthest)
+        if best >= 0 and not (is_near and _is_unlike(reference, best, scan, i, c, s)):
+            line = reference.lines[best]
             at.pairs[i] = best
             at.apart[i] = least
-            at.ordered[found] = least
+            at.across[i] = (line[2] * (x - line[0]) + line[3] * (y - line[1])) ** 2
             found += 1
     if found > 0:
-        at.ordered[:found].sort()
-        most = at.ordered[int(_ORDER * (found - 1))] * _BEYOND * _BEYOND
-        for i in range(scan.points.shape[0]):
-            if at.pairs[i] >= 0 and at.apart[i] > most:
-                at.pairs[i] = -1
+        _trim(at.apart, 0.0, at)
+    if found > 0 and is_near:
+        _trim(at.across, (_SURE * search.std) ** 2, at)
     return points
 
 
 @kernel
 def _sum_up(
-    reference: Outline, scan: Outline, pose: Floats, std: float, at: Work, information: Floats
+    reference: Reference, scan: Outline, pose: Floats, std: float, at: Work, information: Floats
 ) -> tuple[int, float]:
     """Sum the pairs' information, and their pull into ``at.numbers[1]``; returns their number and squared distance."""
     c = math.cos(pose[2])
@@ -171,7 +270,7 @@ def _sum_up(
 
 @kernel
 def align(
-    reference: Outline, scan: Outline, start: Floats, prior: Prior, search: Search, at: Work, out: Result
+    reference: Reference, scan: Outline, start: Floats, prior: Prior, search: Search, at: Work, out: Result
 ) -> None:
     """Align a scan with a reference, from a pose `start` (3,) in the reference's frame.
 
@@ -184,11 +283,11 @@ def align(
     used = 0
     squares = 0.0
     values, right, step = at.numbers[0], at.numbers[1], at.numbers[2]
-    farthest = search.farthest
+    is_near = False
     count = 0
     while count < search.iterations:
         count += 1
-        points = _pair(reference, scan, pose, farthest, at)
+        points = _pair(reference, scan, pose, search, is_near, at)
         used, squares = _sum_up(reference, scan, pose, search.std, at, out.information)
         if used == 0:
             break
@@ -202,8 +301,10 @@ def align(
         pose[0] += step[0]
         pose[1] += step[1]
         pose[2] = wrap(pose[2] + step[2])
-        if abs(step[0]) <= search.tolerance and abs(step[1]) <= search.tolerance and abs(step[2]) <= search.tolerance:
+        moved = max(abs(step[0]), abs(step[1]), abs(step[2]))
+        if is_near and moved <= search.tolerance:
             break
+        is_near = is_near or moved <= _NEAR
     arm = 0.0
     for i in range(scan.points.shape[0]):
         if not math.isnan(scan.points[i, 0]):

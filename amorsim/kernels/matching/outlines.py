@@ -19,6 +19,7 @@ _BEAMS = 2.5  # ... or so many distances between beams, if that is farther
 _FARTHEST = 0.6  # [m]
 _STRAIGHT = 0.1  # largest ratio of the spreads across and along a line
 _MOST = 12  # beams to either side
+_STRAIGHTER = 4.0  # how many times less the points to one side spread across their line where there is a corner
 
 
 class Outline(NamedTuple):
@@ -54,42 +55,85 @@ def outline(ranges: Floats, cos_b: Floats, sin_b: Floats, range_max: float, moun
 
 @part
 def _line(ranges: Floats, i: int, out: Outline) -> None:
-    """Fit a line through the points around point i: their mean, and the direction in which they spread least."""
+    """Fit a line through the points around point i: their mean, and the direction in which they spread least.
+
+    Where the points to one side alone lie much straighter, there is a corner, and the line is theirs.
+    """
     count = ranges.shape[0]
     for j in range(4):
         out.lines[i, j] = math.nan
-    x = out.points[i, 0]
-    y = out.points[i, 1]
-    if math.isnan(x):
+    if math.isnan(out.points[i, 0]):
         return
     other = i + 1 if i + 1 < count else i - 1
     if other < 0:
         return
     turn = out.rays[i, 0] * out.rays[other, 1] - out.rays[i, 1] * out.rays[other, 0]
     reach = min(max(_REACH, _BEAMS * ranges[i] * abs(turn)), _FARTHEST)
-    n = 1
+    first = _end(out, i, -1, reach)
+    last = _end(out, i, 1, reach)
+    x, y, angle, spread = _fit(out, i, first, last)
+    if spread > 0.0:
+        for side in range(2):
+            u, v, slope, aside = _fit(out, i, first, i) if side == 0 else _fit(out, i, i, last)
+            if aside * _STRAIGHTER < spread:
+                x = u
+                y = v
+                angle = slope
+                spread = aside * _STRAIGHTER
+    if not spread < math.inf:
+        return
+    nx = -math.sin(angle)
+    ny = math.cos(angle)
+    if nx * out.rays[i, 0] + ny * out.rays[i, 1] > 0.0:
+        nx = -nx
+        ny = -ny
+    out.lines[i, 0] = x
+    out.lines[i, 1] = y
+    out.lines[i, 2] = nx
+    out.lines[i, 3] = ny
+
+
+@part
+def _end(of: Outline, i: int, step: int, reach: float) -> int:
+    """The last beam from beam i on whose points, and all before it, are within `reach` [m] of point i."""
+    count = of.points.shape[0]
+    last = i
+    for n in range(1, _MOST + 1):
+        j = i + step * n
+        if j < 0 or j >= count:
+            break
+        dx = of.points[j, 0] - of.points[i, 0]
+        dy = of.points[j, 1] - of.points[i, 1]
+        if not dx * dx + dy * dy <= reach * reach:  # too far, or nan
+            break
+        last = j
+    return last
+
+
+@part
+def _fit(of: Outline, i: int, first: int, last: int) -> tuple[float, float, float, float]:
+    """The line through the points of some beams: a point of it, its direction [rad], and their variance across [m^2].
+
+    The variance is inf if they are fewer than three, or do not lie along a line.
+    """
+    x = of.points[i, 0]
+    y = of.points[i, 1]
+    n = last - first + 1
+    if n < 3:
+        return x, y, 0.0, math.inf
     sx = 0.0
     sy = 0.0
     sxx = 0.0
     sxy = 0.0
     syy = 0.0
-    for side in (-1, 1):
-        for step in range(1, _MOST + 1):
-            j = i + side * step
-            if j < 0 or j >= count:
-                break
-            dx = out.points[j, 0] - x
-            dy = out.points[j, 1] - y
-            if not dx * dx + dy * dy <= reach * reach:  # too far, or nan
-                break
-            n += 1
-            sx += dx
-            sy += dy
-            sxx += dx * dx
-            sxy += dx * dy
-            syy += dy * dy
-    if n < 3:
-        return
+    for j in range(first, last + 1):
+        dx = of.points[j, 0] - x
+        dy = of.points[j, 1] - y
+        sx += dx
+        sy += dy
+        sxx += dx * dx
+        sxy += dx * dy
+        syy += dy * dy
     sx /= n
     sy /= n
     a = sxx / n - sx * sx
@@ -100,17 +144,8 @@ def _line(ranges: Floats, i: int, out: Outline) -> None:
     root = math.sqrt(half * half + b * b)
     mean = 0.5 * (a + d)
     if not mean - root <= _STRAIGHT * (mean + root):
-        return
-    angle = 0.5 * math.atan2(2.0 * b, a - d)  # of the line
-    nx = -math.sin(angle)
-    ny = math.cos(angle)
-    if nx * out.rays[i, 0] + ny * out.rays[i, 1] > 0.0:
-        nx = -nx
-        ny = -ny
-    out.lines[i, 0] = x + sx
-    out.lines[i, 1] = y + sy
-    out.lines[i, 2] = nx
-    out.lines[i, 3] = ny
+        return x, y, 0.0, math.inf
+    return x + sx, y + sy, 0.5 * math.atan2(2.0 * b, a - d), max(0.0, mean - root) * n / (n - 2)
 
 
 @kernel

@@ -54,7 +54,7 @@ class Weighing(NamedTuple):
 class Workshop(NamedTuple):
     """Room for one particle's match."""
 
-    reference: Outline
+    reference: icp.Reference
     scan: Outline
     chosen: Ints  # (references,)
     work: icp.Work
@@ -69,7 +69,7 @@ def workshop(beams: int, references: int, every: int) -> Workshop:
     """Room for one particle's match of scans of so many beams."""
     few = (beams + every - 1) // every
     return Workshop(
-        new_outline(beams * references),
+        icp.reference(beams * references),
         new_outline(few),
         np.empty(references, np.int64),
         icp.work(few),
@@ -154,6 +154,8 @@ def move_and_match(
             j = k * weighing.every
             at.scan.points[k, 0] = scans.points[i, j, 0]
             at.scan.points[k, 1] = scans.points[i, j, 1]
+            for n in range(4):
+                at.scan.lines[k, n] = scans.lines[i, j, n]
             at.scan.rays[k, 0] = scans.rays[i, j, 0]
             at.scan.rays[k, 1] = scans.rays[i, j, 1]
         _root(spread[i], at.root)
@@ -227,6 +229,7 @@ def _place_lines(lines: Floats, path: Floats, found: int, at: Workshop) -> None:
             at.reference.lines[m * k + i, 1] = path[node, 1] + s * x + c * y
             at.reference.lines[m * k + i, 2] = c * nx - s * ny
             at.reference.lines[m * k + i, 3] = s * nx + c * ny
+    icp.index(at.reference)
 
 
 @part

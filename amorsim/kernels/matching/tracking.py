@@ -27,12 +27,12 @@ __all__ = [
     "SHARE",
     "USED",
     "WEAKEST",
+    "Keys",
     "Outlines",
     "Room",
     "Rules",
     "Tracks",
-    "align_outlines",
-    "align_pair",
+    "align_outline",
     "make_keys",
     "room",
     "total_covariances",
@@ -42,13 +42,20 @@ __all__ = [
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 
+_FARTHEST = 20.0  # [m] from the robot that points of before are kept
+_APART = 0.1  # [m] from a new point that older ones are kept
+_THROUGH = 0.05  # [m] from a beam at which it passes through a point ...
+_BEFORE = 0.3  # [m] ... that is so far before its end
+_ASIDE = math.radians(10.0)  # that the second stage may turn farther than the window
+_FARTHER = 3.0  # times the window, in which a scan is looked for that does not fit
+_CLEARLY = 0.1  # how much better it must fit there
 _FLOOR = 1e-3  # [m, rad] least standard deviation of what the wheels say between two scans
 
 # What is kept of a match: its correction (x [m], y [m], heading [rad]) in the world, and these.
 USED = 3  # 1 if it was used, 0 if it was refused
 SHARE = 4  # of the scan's points that lie on the key scan
 DISTANCE = 5  # [m] root mean square of these from its lines
-FIT = 6  # of the correlative stage, from 0 to 1
+FIT = 6  # of the scan's points on the key's, at most 1
 DEGENERATE = 7  # 1 if the scan does not determine the pose
 WEAKEST = 8  # least eigenvalue of the information by the largest
 DIRECTION = 9  # (x, y, turn), in the world, in which the scan says least
@@ -61,6 +68,17 @@ class Outlines(NamedTuple):
     points: Floats  # (N, k, 2)
     lines: Floats  # (N, k, 4)
     rays: Floats  # (N, k, 2)
+
+
+class Keys(NamedTuple):
+    """The keys of N rows; see `Reference`."""
+
+    points: Floats  # (N, s, 2)
+    lines: Floats  # (N, s, 4)
+    order: npt.NDArray[np.int64]  # (N, s)
+    along: Floats  # (N, s)
+    seen: Floats  # (N, k, 2) points of the last scan in them
+    mounts: Floats  # (N, 3) of the lasers
 
 
 class Tracks(NamedTuple):
@@ -81,7 +99,8 @@ class Rules(NamedTuple):
     key_distance: float  # [m] between keys
     key_angle: float  # [rad]
     key_share: float  # of points on the key, below which the scan becomes the next key
-    least_share: float  # of points on the key, below which a match is refused
+    least_fit: float  # below which a match is refused
+    sure_fit: float  # below which a pose is looked for farther away
     degenerate: float  # ratio of eigenvalues below which a scan does not determine the pose
     window: correlative.Window
     search: icp.Search
@@ -97,6 +116,8 @@ class Room(NamedTuple):
     cells: npt.NDArray[np.int64]  # (k, 2)
     start: Floats  # (3,)
     matrix: Floats  # (3, 3)
+    free: icp.Prior  # nothing known
+    found: Floats  # (3,)
 
 
 def room(beams: int, reach: float, resolution: float, blur: float) -> Room:
@@ -109,6 +130,8 @@ def room(beams: int, reach: float, resolution: float, blur: float) -> Room:
         np.empty((beams, 2), np.int64),
         np.empty(3),
         np.empty((3, 3)),
+        icp.no_prior(),
+        np.empty(3),
     )
 
 
@@ -146,27 +169,32 @@ def _turn(matrix: Floats, angle: float, out: Floats) -> None:
 
 
 @kernel
-def align_pair(reference: Outline, scan: Outline, rules: Rules, at: Room) -> float:
-    """Match a scan with a reference from ``at.start``, by both stages; returns how well the correlative one fits."""
-    fit = math.nan
-    if rules.window.linear > 0.0:
-        correlative.draw(reference.points, at.picture)
-        fit = correlative.correlate(at.picture, scan.points, at.start, rules.window, at.cells, at.result.pose)
-        for j in range(3):
-            at.start[j] = at.result.pose[j]
-    icp.align(reference, scan, at.start, at.prior, rules.search, at.work, at.result)
-    return fit
+def _draw(reference: icp.Reference, seen: Floats, mount: Floats, at: Room) -> None:
+    """Draw the picture of a reference, and the free space that its last scan saw."""
+    correlative.draw(reference.points, at.picture)
+    correlative.clear(seen, mount[0], mount[1], at.picture)
 
 
 @kernel
-def align_outlines(pair: Outlines, rules: Rules, at: Room) -> float:
-    """Match the second of two scans with the first from ``at.start``; returns how well the correlative stage fits."""
-    return align_pair(
-        Outline(pair.points[0], pair.lines[0], pair.rays[0]),
-        Outline(pair.points[1], pair.lines[1], pair.rays[1]),
-        rules,
-        at,
-    )
+def align_outline(
+    reference: icp.Reference, scan: Outline, window: correlative.Window, prior: icp.Prior, rules: Rules, at: Room
+) -> float:
+    """Align a scan with a reference from ``at.start``, by both stages; returns how well it fits in the end.
+
+    Where the second stage leads out of the window, the first one's pose is the result, which fits nothing.
+    """
+    if window.linear > 0.0:
+        correlative.correlate(at.picture, scan.points, at.start, window, at.cells, at.found)
+    else:
+        for j in range(3):
+            at.found[j] = at.start[j]
+    icp.align(reference, scan, at.found, prior, rules.search, at.work, at.result)
+    pose = at.result.pose
+    off = math.hypot(pose[0] - at.start[0], pose[1] - at.start[1])
+    turned = abs(wrap(pose[2] - at.start[2]))
+    if not (off <= 1.5 * window.linear + rules.search.farthest and turned <= window.angular + _ASIDE):
+        return 0.0
+    return correlative.weigh(at.picture, scan.points, pose)
 
 
 @part
@@ -201,18 +229,104 @@ def total_covariances(tracks: Tracks, out: Floats) -> None:
 
 
 @kernel
-def _make_key(i: int, scans: Outlines, keys: Outlines, tracks: Tracks, at: Room) -> None:
+def _key(keys: Keys, i: int) -> icp.Reference:
+    """The key of a row."""
+    return icp.Reference(keys.points[i], keys.lines[i], keys.order[i], keys.along[i])
+
+
+@part
+def _is_superseded(x: float, y: float, scan: Outline) -> bool:
+    """Whether a point of before lies where the new scan has one, or is seen through by it."""
+    for j in range(scan.points.shape[0]):
+        px = scan.points[j, 0]
+        if math.isnan(px):
+            continue
+        py = scan.points[j, 1]
+        dx = x - px
+        dy = y - py
+        if dx * dx + dy * dy < _APART * _APART:
+            return True
+        across = dx * scan.rays[j, 1] - dy * scan.rays[j, 0]
+        along = dx * scan.rays[j, 0] + dy * scan.rays[j, 1]
+        if -_THROUGH < across < _THROUGH and _BEFORE - math.sqrt(px * px + py * py) < along < -_BEFORE:
+            return True
+    return False
+
+
+@part
+def _copy(points: Floats, lines: Floats, j: int, key: icp.Reference, place: int) -> None:
+    """Copy a point and its line to a place in a key."""
+    for k in range(2):
+        key.points[place, k] = points[j, k]
+    for k in range(4):
+        key.lines[place, k] = lines[j, k]
+
+
+@kernel
+def _extend(scan: Outline, key: icp.Reference, moved: Floats) -> None:
+    """Add a scan to a key, whose frame becomes the scan's: `moved` (3,) is where that lies in the key's.
+
+    Points of before are kept, the oldest first, where the scan shows nothing. Where there is no room for all of them,
+    the oldest are left out.
+    """
+    c = math.cos(moved[2])
+    s = math.sin(moved[2])
+    size = key.points.shape[0]
+    count = 0
+    for j in range(size):
+        if math.isnan(key.points[j, 0]):
+            break
+        x, y = _turned(key.points[j, 0] - moved[0], key.points[j, 1] - moved[1], c, s)
+        if x * x + y * y > _FARTHEST * _FARTHEST or _is_superseded(x, y, scan):
+            continue
+        key.points[count, 0] = x
+        key.points[count, 1] = y
+        u, v = _turned(key.lines[j, 0] - moved[0], key.lines[j, 1] - moved[1], c, s)
+        key.lines[count, 0] = u
+        key.lines[count, 1] = v
+        key.lines[count, 2], key.lines[count, 3] = _turned(key.lines[j, 2], key.lines[j, 3], c, s)
+        count += 1
+    new = 0
+    for j in range(scan.points.shape[0]):
+        if not math.isnan(scan.points[j, 0]):
+            new += 1
+    surplus = max(0, count + new - size)
+    count -= surplus
+    for j in range(count):
+        _copy(key.points, key.lines, j + surplus, key, j)
+    for j in range(scan.points.shape[0]):
+        if not math.isnan(scan.points[j, 0]):
+            _copy(scan.points, scan.lines, j, key, count)
+            count += 1
+    for j in range(count, size):
+        for k in range(2):
+            key.points[j, k] = math.nan
+        for k in range(4):
+            key.lines[j, k] = math.nan
+    icp.index(key)
+
+
+@part
+def _turned(x: float, y: float, c: float, s: float) -> tuple[float, float]:
+    """A vector in a frame that is turned by the angle of cosine c and sine s."""
+    return c * x + s * y, c * y - s * x
+
+
+@kernel
+def _make_key(i: int, scans: Outlines, keys: Keys, tracks: Tracks, at: Room) -> None:
     """Let a row's scan be its key from now on."""
     dx = tracks.pose[i, 0] - tracks.key_pose[i, 0]
     dy = tracks.pose[i, 1] - tracks.key_pose[i, 1]
+    _relative(tracks.key_pose[i], tracks.pose[i], at.start)
     _swing(tracks.key_covariance[i], dx, dy, at.matrix)
     for j in range(3):
         tracks.key_pose[i, j] = tracks.pose[i, j]
         for k in range(3):
             tracks.key_covariance[i, j, k] = at.matrix[j, k] + tracks.spread[i, j, k]
-    keys.points[i] = scans.points[i]
-    keys.lines[i] = scans.lines[i]
-    keys.rays[i] = scans.rays[i]
+    _extend(Outline(scans.points[i], scans.lines[i], scans.rays[i]), _key(keys, i), at.start)
+    for j in range(keys.seen.shape[1]):
+        for k in range(2):
+            keys.seen[i, j, k] = scans.points[i, j, k]
 
 
 @part
@@ -224,7 +338,7 @@ def _is_far(pose: Floats, other: Floats, distance: float, angle: float) -> bool:
 
 @kernel
 def track(
-    scans: Outlines, fresh: Bools, keys: Outlines, tracks: Tracks, rules: Rules, at: Room, records: Floats, out: Bools
+    scans: Outlines, fresh: Bools, keys: Keys, tracks: Tracks, rules: Rules, at: Room, records: Floats, out: Bools
 ) -> None:
     """Match the new scans of N rows that have moved since their last match, and correct their tracks.
 
@@ -252,7 +366,7 @@ def track(
 
 
 @kernel
-def make_keys(scans: Outlines, is_new: Bools, keys: Outlines, tracks: Tracks, at: Room) -> None:
+def make_keys(scans: Outlines, is_new: Bools, keys: Keys, tracks: Tracks, at: Room) -> None:
     """Let the scans of rows `is_new` (N, 2) be their keys, and count their motion from there."""
     for i in range(is_new.shape[0]):
         if is_new[i, 0]:
@@ -261,10 +375,30 @@ def make_keys(scans: Outlines, is_new: Bools, keys: Outlines, tracks: Tracks, at
 
 
 @kernel
-def _match(i: int, scans: Outlines, keys: Outlines, tracks: Tracks, rules: Rules, at: Room, record: Floats) -> float:
+def _look_farther(key: icp.Reference, scan: Outline, fit: float, rules: Rules, at: Room) -> float:
+    """Look for a pose in a window several times as large, and take it if it fits clearly better; returns how well."""
+    wide = correlative.Window(
+        _FARTHER * rules.window.linear, min(_FARTHER * rules.window.angular, math.pi), rules.window.angular_step
+    )
+    farther = align_outline(key, scan, wide, at.free, rules, at)
+    if farther > fit + _CLEARLY:
+        return farther
+    return align_outline(key, scan, rules.window, at.prior, rules, at)
+
+
+@part
+def _doubt(window: correlative.Window, spread: Floats) -> None:
+    """Widen the covariance of a motion that no scan confirms: it may be off by half of the window."""
+    for j in range(2):
+        spread[j, j] += 0.25 * window.linear * window.linear
+    spread[2, 2] += 0.25 * window.angular * window.angular
+
+
+@kernel
+def _match(i: int, scans: Outlines, keys: Keys, tracks: Tracks, rules: Rules, at: Room, record: Floats) -> float:
     """Match a row's scan with its key and correct its track; returns the share of points on the key."""
     scan = Outline(scans.points[i], scans.lines[i], scans.rays[i])
-    key = Outline(keys.points[i], keys.lines[i], keys.rays[i])
+    key = _key(keys, i)
     heading = tracks.key_pose[i, 2]
     _relative(tracks.key_pose[i], tracks.pose[i], at.prior.pose)
     _turn(tracks.spread[i], -heading, at.matrix)
@@ -272,9 +406,13 @@ def _match(i: int, scans: Outlines, keys: Outlines, tracks: Tracks, rules: Rules
         at.matrix[j, j] += _FLOOR * _FLOOR
         at.start[j] = at.prior.pose[j]
     invert(at.matrix, at.prior.information)
-    record[FIT] = align_pair(key, scan, rules, at)
+    _draw(key, keys.seen[i], keys.mounts[i], at)
+    fit = align_outline(key, scan, rules.window, at.prior, rules, at)
+    if fit < rules.sure_fit and rules.window.linear > 0.0:
+        fit = _look_farther(key, scan, fit, rules, at)
     found = at.result
     share: float = found.quality[0]
+    record[FIT] = fit
     record[SHARE] = share
     record[DISTANCE] = found.quality[1]
     record[WEAKEST] = found.values[0] / found.values[2] if found.values[2] > 0.0 else 0.0
@@ -285,7 +423,8 @@ def _match(i: int, scans: Outlines, keys: Outlines, tracks: Tracks, rules: Rules
     record[DIRECTION + 1] = s * found.vectors[0, 0] + c * found.vectors[1, 0]
     record[DIRECTION + 2] = found.vectors[2, 0]
     record[USED] = 0.0
-    if share < rules.least_share:
+    if fit < rules.least_fit:
+        _doubt(rules.window, tracks.spread[i])
         return share
     record[USED] = 1.0
     x, y, turned = displaced(

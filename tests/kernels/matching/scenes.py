@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 import amorsim as am
+from amorsim.kernels.matching import icp
 from amorsim.kernels.matching.outlines import new_outline, outline
 
 HALF = np.linspace(-math.pi / 2.0, math.pi / 2.0, 181)
@@ -50,3 +51,10 @@ def outline_of(ranges, bearings=HALF, reach=REACH, mount=(0.0, 0.0, 0.0)):
 def off(found, wanted):
     """How far a pose is from another one: distance [m] and angle [rad]."""
     return math.hypot(*(found[:2] - wanted[:2])), abs(float(am.wrap_angle(np.array([found[2] - wanted[2]]))[0]))
+
+
+def reference_of(found):
+    """A scan's outline as what others are laid on."""
+    out = icp.reference(len(found.points))
+    icp.refer(found, out)
+    return out

@@ -7,7 +7,7 @@ import pytest
 
 import amorsim as am
 from amorsim.kernels.matching import correlative, icp
-from tests.kernels.matching.scenes import off, room, scan
+from tests.kernels.matching.scenes import off, reference_of, room, scan
 
 STEP = math.radians(1.0)
 
@@ -77,7 +77,7 @@ def successes(count, trials, both):
             start = rng.uniform((-0.2, -0.2, -math.pi / 4), (0.2, 0.2, math.pi / 4))
             if both:
                 start, _ = correlate(picture, found.points, start, window)
-            icp.align(found, found, start, icp.no_prior(), search, work, result)
+            icp.align(reference_of(found), found, start, icp.no_prior(), search, work, result)
             good += off(result.pose, np.zeros(3))[0] <= 0.05
             done += 1
     return good / done
@@ -101,3 +101,16 @@ def test_both_stages_come_home_from_far_off():
 
 def test_both_stages_come_home_from_far_off_in_some_places():
     assert successes(10, 3, both=True) == 1.0
+
+
+def test_a_point_where_another_scan_saw_through_counts_against_a_pose():
+    picture = correlative.picture(8.0, 0.04, 0.06)
+    wall = np.stack((np.full(61, 3.0), np.linspace(-1.5, 1.5, 61)), axis=1)
+    correlative.draw(wall, picture)
+    correlative.clear(wall, 0.0, 0.0, picture)
+    at = np.zeros(3)
+    assert correlative.weigh(picture, wall, at) > 0.9
+    before = correlative.weigh(picture, wall[15:46], np.array([-1.0, 0.0, 0.0]))
+    assert before == pytest.approx(-0.4, abs=0.05)
+    assert correlative.weigh(picture, wall, np.array([1.0, 0.0, 0.0])) == 0.0  # behind it nothing is known
+    assert correlative.weigh(picture, np.full((5, 2), np.nan), at) == 0.0

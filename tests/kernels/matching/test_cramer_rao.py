@@ -7,7 +7,7 @@ import pytest
 
 import amorsim as am
 from amorsim.kernels.matching import icp
-from tests.kernels.matching.scenes import WHOLE, outline_of
+from tests.kernels.matching.scenes import WHOLE, outline_of, reference_of
 
 STD = 0.01
 WALLS = np.array(
@@ -47,7 +47,7 @@ def bound(pose):
 def errors(count, seed, std=STD):
     """Errors (count, 3) of scans with noise that are aligned with a key scan without any."""
     rng = np.random.default_rng(seed)
-    key, ranges = outline_of(exact(KEY)[0], WHOLE), exact(POSE)[0]
+    key, ranges = reference_of(outline_of(exact(KEY)[0], WHOLE)), exact(POSE)[0]
     true = am.relative(KEY[None], POSE[None])[0]
     work, found = icp.work(len(WHOLE)), icp.result()
     off = np.empty((count, 3))

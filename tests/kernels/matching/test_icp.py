@@ -8,7 +8,7 @@ import pytest
 import amorsim as am
 from amorsim.kernels.matching import icp
 from amorsim.kernels.matching.symmetric import eigen, invert, solve
-from tests.kernels.matching.scenes import HALF, WHOLE, circle, corridor, off, outline_of, room, scan
+from tests.kernels.matching.scenes import HALF, WHOLE, circle, corridor, off, outline_of, reference_of, room, scan
 
 SEARCH = icp.Search(0.01, 0.6, 60, 1e-6)
 
@@ -16,7 +16,7 @@ SEARCH = icp.Search(0.01, 0.6, 60, 1e-6)
 def align(reference, moved, start=(0.0, 0.0, 0.0), prior=None, search=SEARCH):
     out = icp.result()
     work = icp.work(len(moved.points))
-    icp.align(reference, moved, np.array(start, dtype=float), prior or icp.no_prior(), search, work, out)
+    icp.align(reference_of(reference), moved, np.array(start, dtype=float), prior or icp.no_prior(), search, work, out)
     return out
 
 
@@ -53,6 +53,22 @@ def test_lines_lie_on_the_walls():
     normals = found.lines[known, 2:][on_wall]
     angle = np.arctan2(normals[:, 1], normals[:, 0]) + 0.4
     np.testing.assert_allclose(am.wrap_angle(angle), math.pi / 2.0, atol=0.02)  # towards the laser
+
+
+def test_at_a_corner_a_line_is_that_of_one_wall():
+    """All walls of an L-shaped room are along the axes, and so are the lines, however near a corner their point is."""
+    walls = [(0, 0, 5, 0), (5, 0, 5, 2), (5, 2, 2, 2), (2, 2, 2, 5), (2, 5, 0, 5), (0, 5, 0, 0)]
+    world = am.Map.from_segments(np.array(walls, float), resolution=0.001)
+    for heading in np.linspace(0.0, 2.0 * math.pi, 7):
+        pose = (1.1, 0.9, heading)
+        normals = scan(world, pose)[1].lines[:, 2:]
+        normals = normals[np.isfinite(normals[:, 0])]
+        angles = np.arctan2(normals[:, 1], normals[:, 0]) + heading
+        off_axis = np.abs(np.remainder(angles + math.pi / 4.0, math.pi / 2.0) - math.pi / 4.0)
+        assert len(angles) > 140
+        assert (
+            off_axis > 1e-6
+        ).sum() <= 4  # where a corner lies between two beams, one point of three may be beyond it
 
 
 def test_what_was_not_seen_has_no_point():
@@ -169,3 +185,34 @@ def test_fishers_information_is_that_of_slopes_taken_numerically():
     assert bottom.sum() > 20
     found = information(ranges[bottom], np.full(bottom.sum(), math.pi / 2.0), HALF[bottom] + pose[2])
     np.testing.assert_allclose(slopes[bottom].T @ slopes[bottom], found, rtol=0.05, atol=2.0)
+
+
+def nearest(lines, point, ray, farthest):
+    """The naive twin of the search in order of x."""
+    apart = np.hypot(lines[:, 0] - point[0], lines[:, 1] - point[1])
+    apart[~(lines[:, 2] * ray[0] + lines[:, 3] * ray[1] < 0.0)] = np.inf
+    best = int(np.argmin(np.where(np.isnan(apart), np.inf, apart)))
+    return best if apart[best] < farthest else -1
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_point_is_paired_with_the_nearest_line_that_faces_its_beam(seed):
+    rng = np.random.default_rng(seed)
+    lines = np.concatenate((rng.uniform(-2.0, 2.0, (200, 2)), rng.normal(size=(200, 2))), axis=1)
+    lines[rng.random(200) < 0.2] = np.nan
+    reference = reference_of(icp.Outline(lines[:, :2].copy(), lines, rng.normal(size=(200, 2))))
+    for _ in range(500):
+        point, ray, farthest = rng.uniform(-2.5, 2.5, 2), rng.normal(size=2), rng.uniform(0.05, 1.0)
+        found, square = icp._nearest(reference, *point, *ray, farthest)
+        assert found == nearest(lines, point, ray, farthest)
+        if found >= 0:
+            assert square == pytest.approx(np.sum((lines[found, :2] - point) ** 2))
+
+
+def test_a_thin_wall_is_not_matched_from_behind():
+    wall = np.array([[-3, 1.0, 3, 1.0], [3, 1.02, -3, 1.02], [-3, -2, -3, 4], [3, 4, 3, -2]], dtype=float)
+    world = am.Map.from_segments(wall, resolution=0.001)
+    before, behind = scan(world, (0.0, 0.0, math.pi / 2.0))[1], scan(world, (0.0, 2.0, -math.pi / 2.0))[1]
+    result = align(before, behind, start=(2.0, 0.0, math.pi))  # the frame of the first looks along +y
+    sides = np.abs(behind.points[:, 0] - 0.98) > 0.01
+    assert result.quality[0] < 0.05 + sides.mean()
