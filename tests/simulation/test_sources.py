@@ -20,7 +20,7 @@ def test_estimators_that_map_name_what_gives_the_poses_and_what_draws_the_map():
         "estimator slam of rover:",
         "  sensor 'encoder'  predicts x, y, heading  0.0001 m² of travel per m",
         "  sensor 'laser'    corrects x, y, heading  matched with key scans, range 0.01 m",
-        "  loops             correct all poses       of 10 nodes and more, fit 0.6, share 0.7",
+        "  loops             correct all poses       of 10 nodes and more, fit 0.6, share 0.5",
         "estimator exact of rover:",
         "  sensor 'tracking'  gives x, y, heading  as exact",
         "  sensor 'laser'     draws the map        hit 0.97, miss 0.4",
