@@ -58,7 +58,7 @@ class GraphSlam(MapArea, ScanTracker):
     loop_window, loop_window_angle
         How far around the present guess a loop's match is looked for [m, rad].
     loop_fit, loop_share
-        How well both stages must fit for a loop to be believed, from 0 to 1.
+        How well a scan must fit the submap, and the share of its points with a line there, for a loop, from 0 to 1.
     nodes
         The most nodes. When the graph has that many it stops growing, and the robot is followed from the last key.
     """
@@ -70,7 +70,7 @@ class GraphSlam(MapArea, ScanTracker):
     loop_window_angle: float = parameter(
         math.radians(30.0), unit="rad", ge=0, le=math.pi, static=True, help="how far around it is looked for"
     )
-    loop_fit: float = parameter(0.6, ge=0, le=1, static=True, help="least fit of a loop's correlative stage")
+    loop_fit: float = parameter(0.6, ge=0, le=1, static=True, help="least fit of a loop's match")
     loop_share: float = parameter(0.5, ge=0, le=1, static=True, help="least share of points on a loop's other end")
     nodes: int = parameter(1000, ge=2, le=20_000, static=True, help="the most nodes of the graph")
 
@@ -151,10 +151,7 @@ class GraphSlam(MapArea, ScanTracker):
             return False
         around = np.arange(max(0, near - self.loop_scans), min(near + self.loop_scans, newest - 1) + 1)
         scans = self._outlines_of(robot, row, state["node_ranges"][row, np.append(around, newest)])
-        rules = self._rules()._replace(
-            window=Window(float(self.loop_window), float(self.loop_window_angle), _ANGLE),
-            search=icp.Search(float(self.range_std), 0.3, 60, 1e-6),
-        )
+        rules = self._rules()._replace(window=Window(float(self.loop_window), float(self.loop_window_angle), _ANGLE))
         reach, room = self._reach(robot), self._room(robot)
         room.start[:] = graph.relative(near, np.array([newest]))[0]
         fit = submaps.align_with_submap(

@@ -23,7 +23,6 @@ _MATCH = ("measurement", "information")
 _AGREE = (0.3, math.radians(5.0))  # [m, rad] up to which two places of a node are the same
 _PENDING = 8  # loops that wait for others
 _RECENT = 12  # nodes, after which a loop waits no longer
-_CONFIRMED = 1  # loops that must agree with one that moves the robot by more than _AGREE
 _ARM = 5.0  # [m] from a node, at which its scan's points are taken to be
 _TURN = 1.0  # [m] by which a node that looks the other way counts as farther away: it sees other walls
 
@@ -88,8 +87,8 @@ class NodeGraph:
     def close(self, first: int, measured: Array, information: Array) -> bool:
         """Let a match of the newest node with an old one close a loop, or wait; whether the graph has a new edge.
 
-        A loop that moves the robot far is believed when others of the last nodes move it to the same place: pairs that
-        are consistent, after J. G. Mangelson et al., "Pairwise consistent measurement set maximization for robust
+        A loop that moves the robot far is believed when another of the last nodes moves it to the same place: pairs
+        that are consistent, after J. G. Mangelson et al., "Pairwise consistent measurement set maximization for robust
         multi-robot map merging" (2018).
         """
         state, row, newest = self._state, self._row, self.count - 1
@@ -103,7 +102,7 @@ class NodeGraph:
                 there = _from(self.poses[old], state["pending_measurement"][row, slot])
                 if _is_same(_from(there, self.relative(then, np.array([newest]))[0]), place):
                     agreeing.append(slot)
-            if len(agreeing) < _CONFIRMED:
+            if not agreeing:
                 slot = int(np.argmin(nodes[:, 1]))
                 nodes[slot] = first, newest
                 state["pending_measurement"][row, slot] = measured

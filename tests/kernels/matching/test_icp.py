@@ -66,9 +66,8 @@ def test_at_a_corner_a_line_is_that_of_one_wall():
         angles = np.arctan2(normals[:, 1], normals[:, 0]) + heading
         off_axis = np.abs(np.remainder(angles + math.pi / 4.0, math.pi / 2.0) - math.pi / 4.0)
         assert len(angles) > 140
-        assert (
-            off_axis > 1e-6
-        ).sum() <= 4  # where a corner lies between two beams, one point of three may be beyond it
+        # Where a corner lies between two beams, one point of three may be beyond it.
+        assert (off_axis > 1e-6).sum() <= 4
 
 
 def test_what_was_not_seen_has_no_point():
