@@ -23,7 +23,9 @@ if TYPE_CHECKING:
     from amorsim.analysis.measuring import measure
     from amorsim.analysis.pose_errors import PoseErrors, Statistics, ape, relation_errors, rpe
     from amorsim.analysis.recordings import read_bag, read_log, read_mcap
+    from amorsim.analysis.relations import clock_offset, read_relations
     from amorsim.analysis.run_log import LogEntry
+    from amorsim.analysis.slam_on_log import SlamResult, slam
     from amorsim.analysis.trajectory import (
         Trajectory,
         read_csv,
@@ -50,7 +52,9 @@ _MODULES = {
     "amorsim.analysis.measuring": "measure",
     "amorsim.analysis.pose_errors": "PoseErrors Statistics ape relation_errors rpe",
     "amorsim.analysis.recordings": "read_bag read_log read_mcap",
+    "amorsim.analysis.relations": "clock_offset read_relations",
     "amorsim.analysis.run_log": "LogEntry",
+    "amorsim.analysis.slam_on_log": "SlamResult slam",
     "amorsim.analysis.trajectory": (
         "Trajectory read_csv read_kitti read_tum run_trajectories write_csv write_kitti write_tum"
     ),
@@ -67,10 +71,12 @@ __all__ = [
     "MapScores",
     "PoseErrors",
     "RunFiles",
+    "SlamResult",
     "Statistics",
     "Trajectory",
     "Transform",
     "ape",
+    "clock_offset",
     "compare",
     "distances_to_walls",
     "ensemble",
@@ -87,12 +93,14 @@ __all__ = [
     "read_kitti",
     "read_log",
     "read_mcap",
+    "read_relations",
     "read_tum",
     "relation_errors",
     "rpe",
     "run_nees",
     "run_nis",
     "run_trajectories",
+    "slam",
     "umeyama",
     "verdict",
     "write_csv",

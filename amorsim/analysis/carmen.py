@@ -10,8 +10,15 @@ Read are the messages of CARMEN's log format 1 that hold odometry and scans of t
 
 Lengths are metres, angles radians, times seconds. A scan of FLASER has no angles: its beams are spread over the field
 of view of the device, from the right. A pose in a scan is often a corrected one, so odometry is that of ODOM, if there
-is any. Programs that correct logs add ODOM of a corrected pose beside each scan, whose time was never set: 0, or what
-lay in the memory. So a message whose time is far from those of the lines around it is left out.
+is any.
+
+Programs that correct logs, such as GMapping's, add ODOM of the corrected pose beside each scan, whose time was never
+set: 0, or what lay in the memory. The ODOM after it go on from there. So one whose time is far from those of the lines
+around it is not a motion: what follows it is taken relative to it, and what is read is the odometry as it was before
+anything was corrected.
+
+Messages come in the order of the lines. Odometry that waited before it was written, with a time before that of the line
+before it, gets that time; the times of scans stay.
 
 .. [1] M. Montemerlo, N. Roy, S. Thrun, D. Hähnel, C. Stachniss, J. Glover: CARMEN, the Carnegie Mellon robot navigation
    toolkit, 2002; the header of its log files.
@@ -33,7 +40,7 @@ from scipy.ndimage import median_filter
 from amorsim.analysis.run_log import LogEntry
 from amorsim.contracts import Sensor
 from amorsim.core.errors import AnalysisError
-from amorsim.core.poses import logarithm, relative
+from amorsim.core.poses import compose, logarithm, relative
 from amorsim.core.rows import stack
 from amorsim.scenario.spec import Robot
 from amorsim.sensors.encoder import Encoder
@@ -67,7 +74,7 @@ class CarmenMessage(NamedTuple):
 
 
 def read_carmen(path: Path, damaged: Callable[[str], None] | None = None) -> list[CarmenMessage]:
-    """The odometry and scans in a log, by time; messages of other kinds are left out.
+    """The odometry and scans in a log, in the order of its lines; messages of other kinds are left out.
 
     Parameters
     ----------
@@ -77,7 +84,7 @@ def read_carmen(path: Path, damaged: Callable[[str], None] | None = None) -> lis
     Raises
     ------
     AnalysisError
-        If the file cannot be read, a line is damaged, or there is neither odometry nor a scan.
+        If the file cannot be read, a line is damaged, there is neither odometry nor a scan, or times go far back.
     """
     found = []
     try:
@@ -97,14 +104,37 @@ def read_carmen(path: Path, damaged: Callable[[str], None] | None = None) -> lis
         raise AnalysisError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
     if not found:
         raise AnalysisError(f"{path}: expected a log of CARMEN, with lines of {', '.join(_READERS)}; found none")
-    return sorted(_with_times(found), key=lambda message: message.time)
+    return _in_order(found, path)
 
 
-def _with_times(messages: Sequence[CarmenMessage]) -> list[CarmenMessage]:
-    """Those whose time is near the median of the lines around them."""
+def _in_order(messages: Sequence[CarmenMessage], path: Path) -> list[CarmenMessage]:
+    """Messages whose time was set, with times that do not decrease, and odometry without jumps to corrected poses."""
     times = np.array([message.time for message in messages])
-    around = median_filter(times, size=_AROUND, mode="nearest")
-    return [message for message, apart in zip(messages, np.abs(times - around), strict=True) if apart <= _FAR]
+    is_set = np.abs(times - median_filter(times, size=_AROUND, mode="nearest")) <= _FAR
+    is_scan = is_set & np.array([message.ranges is not None for message in messages])
+    after = np.minimum.accumulate(np.where(is_scan, times, np.inf)[::-1])[::-1]
+    now = np.maximum.accumulate(np.where(is_set, np.where(is_scan, times, np.minimum(times, after)), -np.inf))
+    late = is_set & (times < now - _FAR)
+    if late.any():
+        place = int(np.argmax(late))
+        raise AnalysisError(
+            f"{path}: {messages[place].kind} of {times[place]:g} s comes after one of {now[place]:g} s; expected a log "
+            "in the order of time"
+        )
+    found: list[CarmenMessage] = []
+    here = np.zeros(3)
+    before: Array | None = None  # the last line's pose
+    for message, time, has_time in zip(messages, now.tolist(), is_set.tolist(), strict=True):
+        if message.kind != "ODOM":
+            if has_time:
+                found.append(message._replace(time=time))
+            continue
+        if has_time:
+            moved = message.odometry[None] if before is None else relative(before[None], message.odometry[None])
+            here = compose(here[None], moved)[0]
+            found.append(message._replace(time=time, odometry=here))
+        before = message.odometry
+    return found
 
 
 def entries_of_carmen(path: Path, robot: Robot, damaged: Callable[[str], None] | None = None) -> Iterator[LogEntry]:

@@ -269,7 +269,7 @@ def relation_errors(
         raise AnalysisError(f"{estimate.name}: expected poses, got none")
     places = [np.abs(estimate.time[:, None] - given[:, column]).argmin(axis=0) for column in (0, 1)]
     near = [np.abs(estimate.time[place] - given[:, i]) <= most_apart + 1e-9 for i, place in enumerate(places)]
-    there = np.flatnonzero(near[0] & near[1])
+    there = np.flatnonzero(near[0] & near[1] & (places[0] != places[1]))  # a pose has no motion to itself
     if not len(there):
         raise AnalysisError(f"{estimate!r} has no poses at the times of these relations, to {most_apart:g} s")
     first, last = places[0][there], places[1][there]

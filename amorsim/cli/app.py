@@ -35,6 +35,7 @@ from amorsim.cli import (
     reproduce,
     run,
     schema,
+    slam,
     sweep,
     umbmark,
     view,
@@ -97,6 +98,7 @@ app.command("plan", short_help="Find a path on a map, and draw it.")(plan.comman
 app.command("compile", short_help="Compile the kernels ahead of the first run.")(compile_.command)
 app.command("sweep", short_help="Run a study: a scenario over axes, seeds and replicas.")(sweep.command)
 app.command("compare", short_help="Compare systems on the same noise, and say what may be claimed.")(compare.command)
+app.command("slam", short_help="Make a path and a map from the log of a robot.")(slam.command)
 app.command("plot", short_help="Draw a run, from its files.")(plot.command)
 app.command("report", short_help="Write one HTML file about a run, a study or a comparison.")(report.command)
 app.command("export", short_help="Write a run as TUM, KITTI, CSV, Parquet, MCAP or rosbag2.")(export.command)

@@ -21,20 +21,23 @@ from amorsim.contracts import (
     parameter,
 )
 from amorsim.estimators.map_area import MapArea, area_of, area_origins, log_odds_evidence, map_beliefs
-from amorsim.estimators.node_graph import NodeGraph, empty_nodes, loops_of, near_node
+from amorsim.estimators.node_graph import NodeGraph, empty_nodes, loops_of
 from amorsim.estimators.scan_tracking import ScanTracker
 from amorsim.estimators.scans import beams_of, mounts_of
 from amorsim.kernels.mapping import occupancy
 from amorsim.kernels.mapping.nodes import add_nodes
 from amorsim.kernels.mapping.scan_cells import window_for
 from amorsim.kernels.matching import icp, submaps
-from amorsim.kernels.matching.correlative import Window
+from amorsim.kernels.matching.correlative import Window, weigh
+from amorsim.kernels.matching.tracking import Room
 
 __all__ = ["GraphSlam"]
 
 Array = npt.NDArray[np.float64]
 
 _ANGLE = math.radians(1.0)
+_AMBIGUOUS = 0.9  # of a match's fit, above which another place fits as well
+_SLIDES = 0.25 * np.arange(2, 13)  # [m] to either side, where the other places are
 
 
 @attrs.frozen(kw_only=True)
@@ -43,9 +46,11 @@ class GraphSlam(MapArea, ScanTracker):
 
     It follows the robot as `scan_matching` does. Each key scan is a node, linked to the one before by what wheels and
     matches gave. A new node near an old one, at least `loop_gap` nodes ago, is matched with a submap: the key scans
-    around the old one. If the match is good, it becomes an edge, and all poses are solved for again, where edges that
-    the others contradict count little. The map is drawn from the key scans at the poses of their nodes, and drawn
-    again when these have moved by more than half a cell.
+    around the old one. If the match is good, and no other place along its least certain direction fits as well, it
+    becomes an edge; if it moves the robot far, only once a second one agrees. All poses are solved for again, where
+    edges that the others contradict count little. Where that moves old nodes to others, these are matched too. The map
+    is drawn from the key scans at the poses of their nodes, and drawn again when these have moved by more than half a
+    cell.
 
     Parameters
     ----------
@@ -63,10 +68,10 @@ class GraphSlam(MapArea, ScanTracker):
         The most nodes. When the graph has that many it stops growing, and the robot is followed from the last key.
     """
 
-    loop_distance: float = parameter(3.0, unit="m", gt=0, static=True, help="how far a loop's other end is looked for")
+    loop_distance: float = parameter(6.0, unit="m", gt=0, static=True, help="how far a loop's other end is looked for")
     loop_gap: int = parameter(10, ge=2, static=True, help="nodes between the ends of a loop, at least")
     loop_scans: int = parameter(4, ge=0, le=50, static=True, help="key scans to either side in a loop's submap")
-    loop_window: float = parameter(1.5, unit="m", gt=0, le=20, static=True, help="how far a loop's match is looked for")
+    loop_window: float = parameter(3.0, unit="m", gt=0, le=20, static=True, help="how far a loop's match is looked for")
     loop_window_angle: float = parameter(
         math.radians(30.0), unit="rad", ge=0, le=math.pi, static=True, help="how far around it is looked for"
     )
@@ -118,7 +123,9 @@ class GraphSlam(MapArea, ScanTracker):
         """Draw a row's new node into its map, or all of them if it closes a loop."""
         graph = NodeGraph(state, row)
         first = graph.count - 1
-        if self._close_loop(robot, state, row) and graph.solve():
+        pairs = graph.nodes_to_look_at(self.loop_gap, self.loop_distance)
+        closed = [self._close_loop(robot, state, row, *pair) for pair in pairs]
+        if any(closed) and graph.solve():
             graph.take_pose()
             if graph.moved_since_drawn(first) > 0.5 * self.resolution:
                 state["log_odds"][row] = np.nan
@@ -142,18 +149,16 @@ class GraphSlam(MapArea, ScanTracker):
             state["log_odds"][row],
         )
 
-    def _close_loop(self, robot: RobotModel, state: State, row: int) -> bool:
-        """Match a row's newest node with the nearest old one; whether that became an edge."""
+    def _close_loop(self, robot: RobotModel, state: State, row: int, near: int, node: int) -> bool:
+        """Match a node of a row with the scans around one long before it; whether that became an edge."""
         graph = NodeGraph(state, row)
-        newest = graph.count - 1
-        near = near_node(graph, self.loop_gap, self.loop_distance)
-        if near is None:
-            return False
-        around = np.arange(max(0, near - self.loop_scans), min(near + self.loop_scans, newest - 1) + 1)
-        scans = self._outlines_of(robot, row, state["node_ranges"][row, np.append(around, newest)])
-        rules = self._rules()._replace(window=Window(float(self.loop_window), float(self.loop_window_angle), _ANGLE))
+        around = np.arange(max(0, near - self.loop_scans), min(near + self.loop_scans, node - 1) + 1)
+        scans = self._outlines_of(robot, row, state["node_ranges"][row, np.append(around, node)])
+        far, turned = graph.window_between(near, node)
+        window = Window(min(far, float(self.loop_window)), min(turned, float(self.loop_window_angle)), _ANGLE)
+        rules = self._rules()._replace(window=window)
         reach, room = self._reach(robot), self._room(robot)
-        room.start[:] = graph.relative(near, np.array([newest]))[0]
+        room.start[:] = graph.relative(near, np.array([node]))[0]
         fit = submaps.align_with_submap(
             scans,
             graph.relative(near, around),
@@ -168,14 +173,17 @@ class GraphSlam(MapArea, ScanTracker):
         is_good = fit >= self.loop_fit and found.quality[0] >= self.loop_share
         if not is_good or found.values[0] < self.degenerate * found.values[2]:
             return False
-        return graph.close(near, found.pose, found.information)
+        if _slid_fit(room, scans.points[-1]) > _AMBIGUOUS * fit:
+            return False
+        return graph.close(near, node, found.pose, found.information)
 
     def beliefs(self, state: State) -> Beliefs:
         """The map and the graph, and of this step's match the beliefs of `scan_matching`.
 
         ``occupancy`` (N, rows, cols), nan where nothing was seen, ``occupancy_origin`` [m], ``occupancy_resolution``
         [m]; ``graph_poses`` (N, nodes, 3), nan beyond the last one; ``graph_edges`` (N, edges, 2), -1 beyond the last
-        one; ``graph_loops``, how many of these closed a loop.
+        one; ``graph_measurements`` (N, edges, 3), the second pose in the frame of the first, and ``graph_information``
+        (N, edges, 3, 3), less the more other edges contradict it; ``graph_loops``, how many edges closed a loop.
         """
 
         def probability(out: Array) -> None:
@@ -187,6 +195,20 @@ class GraphSlam(MapArea, ScanTracker):
                 **map_beliefs(probability, state["origin"], area_of("graph_slam", self)),
                 "graph_poses": lambda: state["node_pose"].copy(),
                 "graph_edges": lambda: state["edge_nodes"].copy(),
+                "graph_measurements": lambda: state["edge_measurement"].copy(),
+                "graph_information": lambda: state["edge_information"] * state["edge_weight"][:, :, None, None],
                 "graph_loops": loops_of(state),
             }
         )
+
+
+def _slid_fit(room: Room, points: Array) -> float:
+    """The best fit of a scan's points that are slid from where they match, the way that the match knows least.
+
+    Along a corridor all places fit alike, and the best of them tells nothing.
+    """
+    found = room.result
+    _, axes = np.linalg.eigh(found.information[:2, :2])
+    slides = np.concatenate((-_SLIDES, _SLIDES))
+    poses = found.pose + slides[:, None] * np.array([*axes[:, 0], 0.0])
+    return max(float(weigh(room.picture, points, pose)) for pose in poses)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 import numpy.typing as npt
@@ -21,8 +22,10 @@ _STD = np.array([0.01, 0.01, 0.004])  # [m, m, rad] added to each edge: matches 
 _ROUNDS = 3  # of weighing the edges in one step: the next loop goes on from there
 _MATCH = ("measurement", "information")
 _AGREE = (0.3, math.radians(5.0))  # [m, rad] up to which two places of a node are the same
-_PENDING = 8  # loops that wait for others
-_RECENT = 12  # nodes, after which a loop waits no longer
+_PENDING = 16  # loops that wait for others
+_LOOKS = 20  # old nodes in a step, among which one is looked for that may close a loop
+_RECENT = 12  # nodes that two loops may be apart to confirm each other
+_PLAUSIBLE = 5.0  # standard deviations: matches, too, are wrong by more than they know
 _ARM = 5.0  # [m] from a node, at which its scan's points are taken to be
 _TURN = 1.0  # [m] by which a node that looks the other way counts as farther away: it sees other walls
 
@@ -39,6 +42,10 @@ def empty_nodes(rows: int, most: int, beams: int) -> State:
         "edge_measurement": np.full((rows, 2 * most, 3), np.nan),
         "edge_information": np.full((rows, 2 * most, 3, 3), np.nan),
         "edge_weight": np.ones((rows, 2 * most)),
+        "node_looked_at": np.full(rows, -1, np.int64),
+        "node_near": np.full((rows, most), -1, np.int64),
+        "node_guess": np.full((rows, most, 3), np.nan),
+        "pending_next": np.zeros(rows, np.int64),
         "pending_nodes": np.full((rows, _PENDING, 2), -1, np.int64),
         "pending_measurement": np.full((rows, _PENDING, 3), np.nan),
         "pending_information": np.full((rows, _PENDING, 3, 3), np.nan),
@@ -84,34 +91,86 @@ class NodeGraph:
             self._link(count - 1, count, moved, spread)
         return True
 
-    def close(self, first: int, measured: Array, information: Array) -> bool:
-        """Let a match of the newest node with an old one close a loop, or wait; whether the graph has a new edge.
+    def nodes_to_look_at(self, gap: int, distance: float) -> Iterator[tuple[int, int]]:
+        """The newest node, and perhaps an older one that closes no loop, each with the node to look for it at.
 
-        A loop that moves the robot far is believed when another of the last nodes moves it to the same place: pairs
+        The older ones are gone through in turn. One is looked at again when the graph has moved it, relative to the
+        node that is nearest now.
+        """
+        state, row, newest = self._state, self._row, self.count - 1
+        near = near_node(self, newest, gap, distance)
+        if near is not None:
+            yield near, newest
+        edges = state["edge_nodes"][row, : int(state["edge_count"][row])]
+        in_loop = set(edges[edges[:, 1] - edges[:, 0] > 1].ravel().tolist())
+        for node in (int(state["node_looked_at"][row]) + np.arange(1, _LOOKS + 1)) % max(newest, 1):
+            state["node_looked_at"][row] = node
+            near = None if node in in_loop else near_node(self, int(node), gap, distance)
+            if near is not None and not self._was_looked_at(near, int(node)):
+                yield near, int(node)
+                return
+
+    def _was_looked_at(self, near: int, node: int) -> bool:
+        """Whether a loop between two nodes was looked for where they are now; from now on it was."""
+        before = self._state["node_guess"][self._row, node]
+        guess = self.relative(near, np.array([node]))[0]
+        is_old = self._state["node_near"][self._row, node] == near and _is_same(before, guess)
+        if not is_old:
+            self._state["node_near"][self._row, node] = near
+            before[:] = guess
+        return bool(is_old)
+
+    def close(self, first: int, node: int, measured: Array, information: Array) -> bool:
+        """Let a match of a node with an old one close a loop, or wait; whether the graph has a new edge.
+
+        A loop that moves the node far is believed when another one, of a node near it, moves it to the same place: two
         that are consistent, after J. G. Mangelson et al., "Pairwise consistent measurement set maximization for robust
         multi-robot map merging" (2018).
         """
-        state, row, newest = self._state, self._row, self.count - 1
+        state, row = self._state, self._row
         place = _from(self.poses[first], measured)
         nodes = state["pending_nodes"][row]
-        nodes[nodes[:, 1] < newest - _RECENT] = -1
         agreeing: list[int] = []
-        if not _is_same(place, self.poses[newest]):
-            for slot in np.flatnonzero(nodes[:, 0] >= 0).tolist():
+        if not _is_same(place, self.poses[node]):
+            for slot in np.flatnonzero((nodes[:, 0] >= 0) & (np.abs(nodes[:, 1] - node) <= _RECENT)).tolist():
                 old, then = nodes[slot].tolist()
                 there = _from(self.poses[old], state["pending_measurement"][row, slot])
-                if _is_same(_from(there, self.relative(then, np.array([newest]))[0]), place):
+                if then != node and _is_same(_from(there, self.relative(then, np.array([node]))[0]), place):
                     agreeing.append(slot)
             if not agreeing:
-                slot = int(np.argmin(nodes[:, 1]))
-                nodes[slot] = first, newest
+                slot = int(state["pending_next"][row])
+                state["pending_next"][row] = (slot + 1) % _PENDING
+                nodes[slot] = first, node
                 state["pending_measurement"][row, slot] = measured
                 state["pending_information"][row, slot] = information
                 return False
         for slot in agreeing:
             self._close(*nodes[slot].tolist(), *(state[f"pending_{name}"][row, slot] for name in _MATCH))
             nodes[slot] = -1
-        return self._close(first, newest, measured, information)
+        return self._close(first, node, measured, information)
+
+    def window_between(self, first: int, node: int) -> tuple[float, float]:
+        """How far [m, rad] from where a node seems to be, seen from an earlier one, it can be by the motions alone."""
+        spread = self._spread_between(first, node)
+        largest = float(np.linalg.eigvalsh(spread[:2, :2])[-1])
+        return _PLAUSIBLE * math.sqrt(largest), _PLAUSIBLE * math.sqrt(spread[2, 2])
+
+    def _spread_between(self, first: int, node: int) -> Array:
+        """The covariance (3, 3) of a node in the frame of an earlier one, by the motions alone, in its own frame."""
+        state, row = self._state, self._row
+        steps = np.flatnonzero(_is_motion(state["edge_nodes"][row], first, node))
+        ends = self.poses[state["edge_nodes"][row, steps, 1]]
+        to_end = relative(ends, np.repeat(self.poses[node : node + 1], len(ends), axis=0))
+        c, s = np.cos(to_end[:, 2]), np.sin(to_end[:, 2])
+        # What an error at the end of a step, in its frame, does to the node in the node's frame.
+        effect = np.zeros((len(steps), 3, 3))
+        effect[:, 0, 0], effect[:, 0, 1] = c, s
+        effect[:, 1, 0], effect[:, 1, 1] = -s, c
+        effect[:, 2, 2] = 1.0
+        effect[:, 0, 2] = -c * to_end[:, 1] + s * to_end[:, 0]
+        effect[:, 1, 2] = s * to_end[:, 1] + c * to_end[:, 0]
+        spread = np.linalg.inv(state["edge_information"][row, steps])
+        return np.asarray((effect @ spread @ effect.transpose(0, 2, 1)).sum(axis=0))
 
     def _close(self, first: int, second: int, measured: Array, information: Array) -> bool:
         """Add an edge that closes a loop; False if there is no more room."""
@@ -186,19 +245,24 @@ def _from(pose: Array, moved: Array) -> Array:
     return np.asarray(compose(pose[None], moved[None])[0])
 
 
+def _is_motion(edges: npt.NDArray[np.int64], first: int, last: int) -> npt.NDArray[np.bool_]:
+    """Which edges (m, 2) lead from a node to the next one, between two nodes."""
+    return np.asarray((edges[:, 0] >= first) & (edges[:, 1] <= last) & (edges[:, 1] - edges[:, 0] == 1))
+
+
 def _is_same(pose: Array, other: Array) -> bool:
     """Whether two poses (3,) are the same place, as far as matches and the motion between them tell."""
     off, turn = math.hypot(pose[0] - other[0], pose[1] - other[1]), abs(float(wrap_angle(pose[2] - other[2])))
     return bool(off <= _AGREE[0] and turn <= _AGREE[1])
 
 
-def near_node(graph: NodeGraph, gap: int, distance: float) -> int | None:
-    """The node nearest to the newest one among those at least `gap` nodes before it; None if none is that near."""
+def near_node(graph: NodeGraph, node: int, gap: int, distance: float) -> int | None:
+    """The node nearest to another one among those at least `gap` nodes before it; None if none is that near."""
     poses = graph.poses
-    old = poses[: max(0, len(poses) - gap)]
+    old = poses[: max(0, node + 1 - gap)]
     if not len(old):
         return None
-    apart = np.hypot(old[:, 0] - poses[-1, 0], old[:, 1] - poses[-1, 1])
-    apart += _TURN * np.abs(np.sin(0.5 * (old[:, 2] - poses[-1, 2])))
+    apart = np.hypot(old[:, 0] - poses[node, 0], old[:, 1] - poses[node, 1])
+    apart += _TURN * np.abs(np.sin(0.5 * (old[:, 2] - poses[node, 2])))
     nearest = int(np.argmin(apart))
     return nearest if apart[nearest] <= distance else None

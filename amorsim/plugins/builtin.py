@@ -171,6 +171,7 @@ def amorsim_register(registry: Registry) -> None:
     for robot in (
         "pioneer2dx",
         "pioneer2dx-typical",
+        "pioneer2dx-lms200",
         "pioneer3dx",
         "khepera",
         "segway_rmp",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Mapping
 from typing import Any
@@ -10,7 +11,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Beliefs, Context, Estimate, Estimator, Measurement
+from amorsim.contracts import Beliefs, Context, Estimate, Estimator, LazyBeliefs, Measurement
 from amorsim.core.arguments import check_kind, whole
 from amorsim.core.error_text import in_words
 from amorsim.core.errors import AmorsimError, ComponentError, did_you_mean
@@ -179,8 +180,23 @@ class EstimatorRunner:
 
     @property
     def beliefs(self) -> Beliefs:
-        """The estimator's further beliefs after the last update: arrays by name, without an axis of rows."""
-        return {name: array[0] for name, array in self._estimators.beliefs_of(self._name).items()}
+        """The estimator's further beliefs: arrays by name, without an axis of rows, to be looked up before an update.
+
+        Raises
+        ------
+        AmorsimError
+            If one is looked up after a later update.
+        """
+        found, tick = self._estimators.beliefs_of(self._name), self._tick
+
+        def look_up(name: str) -> npt.NDArray[Any]:
+            if self._tick != tick:
+                raise AmorsimError(
+                    f"{self._who}: {name!r} is of an earlier update; take it from beliefs before the next"
+                )
+            return np.asarray(found[name][0])
+
+        return LazyBeliefs({name: functools.partial(look_up, name) for name in found})
 
     def _go_to(self, time: float) -> float:
         """Put the clock to a time; returns the seconds since the update before, 0 at the first."""

@@ -1,0 +1,91 @@
+"""``amorsim slam``: what it leaves, prints and refuses."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+import amorsim as am
+from tests import building
+from tests.cli.conftest import Command
+
+
+@pytest.fixture
+def log(tmp_path: Path) -> Path:
+    """A log of CARMEN: a robot with a laser of 180 beams drives through a room for 12 s."""
+    laser = am.MountedSensor(sensor=am.load_robot("pioneer2dx-lms200").sensors["laser"].sensor)
+    robot = building.robot(
+        name="rover",
+        pose=am.Pose(x=1.0, y=1.0),
+        controller=am.controllers.Square(side=1.5),
+        sensors={"encoder": building.all_sensors()["encoder"], "laser": laser},
+    )
+    sim = am.Simulation(building.scenario(robot))
+    start, lines = sim.estimated_pose[0].copy(), []
+    for step in range(120):
+        sim.step()
+        at, time = (
+            " ".join(map(repr, am.relative(start[None], sim.estimated_pose)[0].tolist())),
+            repr(step * sim.dt + 0.04 * math.sin(step**2)),
+        )
+        lines.append(f"ODOM {at} 0 0 0 {time} host 0")
+        ranges = sim.frames()[0].readings["laser"][1].measured[0].clip(max=81.9)
+        lines.append(f"FLASER 180 {' '.join(map(repr, ranges.tolist()))} {at} {at} {time} host 0")
+    path = tmp_path / "lab.log"
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def test_a_log_becomes_a_folder_with_path_map_graph_and_report(amorsim: Command, log: Path, tmp_path: Path) -> None:
+    result = amorsim("slam", log, "--out", "lab")
+    assert result.status == 0, result.err
+    assert "scans: 120 of 180 beams, from 0 to 11." in result.out
+    assert "estimator: graph_slam of pioneer2dx-lms200" in result.out
+    names = {path.name for path in (tmp_path / "lab").iterdir()}
+    assert names == {
+        "path.tum", "online.tum", "odometry.tum", "map.yaml", "map.pgm", "graph.g2o", "report.html",
+    }  # fmt: skip
+    page = (tmp_path / "lab" / "report.html").read_text()
+    assert page.count("data:image/png") >= 2
+    assert am.load_map(tmp_path / "lab" / "map.yaml").shape[0] > 20
+    again = amorsim("slam", log, "--out", "lab")
+    assert again.status == 2
+    assert "holds files already" in again.err
+
+
+def test_errors_in_known_relations_are_printed(amorsim: Command, log: Path, tmp_path: Path) -> None:
+    path = am.analysis.slam(log, progress=False).path
+    rows = []
+    for i in range(30):
+        x, y, heading = am.relative(path.poses[i : i + 1], path.poses[i + 9 : i + 10])[0].tolist()
+        rows.append(f"{path.time[i] + 5e8:.6f} {path.time[i + 9] + 5e8:.6f} {x} {y} 0 0 0 {heading}")
+    (tmp_path / "lab.relations").write_text("\n".join(rows) + "\n")
+    result = amorsim("slam", log, "--out", "lab", "--relations", "lab.relations")
+    assert result.status == 0, result.err
+    assert "as known at the end" in result.out
+    assert " 0.000 " in next(line for line in result.out.splitlines() if line.startswith("as known at the end"))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("none.log",), "none.log: cannot be read: No such file or directory"),
+        (("lab.log", "--topic", "laser"), "--topic: expected SENSOR=TOPIC"),
+        (("lab.log", "--robot", "pioneer2dx"), "has no graph_slam; name one of its estimators with --estimator"),
+        (
+            ("lab.log", "--estimator", "slam"),
+            "has no estimator 'slam'; it has: 'dead_reckoning', 'graph_slam', 'scan_matching'",
+        ),
+        (("lab.log", "--relations", "none"), "none: cannot be read: No such file or directory"),
+        (("lab.log", "--resolution", "-1"), "--resolution: expected a number of metres > 0, got -1"),
+    ],
+)
+def test_what_it_cannot_do_is_told_in_words(
+    amorsim: Command, log: Path, tmp_path: Path, arguments: tuple[str, ...], words: str
+) -> None:
+    result = amorsim("slam", *arguments)
+    assert result.status == 2
+    assert words in result.err
+    assert not (tmp_path / "amorsim-runs").exists()
