@@ -18,6 +18,13 @@ LABS = ROOT / "docs" / "labs"
 SEEDS = {"07-monte-carlo-localization": [2, 4]}  # in which the mistake is one; in others [11, 12]
 # Points by file: the least, and the most.
 EARNED = {
+    "01-odometry": {
+        "odometry": (0.0, 0.5),
+        "good": (9.0, 10.0),
+        "nominal": (0.0, 1.5),
+        "one_way": (2.0, 5.0),
+        "cheating": (0.0, 0.5),
+    },
     "04-wall-following": {"follow": (0.0, 6.0), "good": (9.0, 10.0), "swinging": (6.5, 7.5), "cheating": (0.0, 3.0)},
     "05-gyro-and-compass": {
         "heading": (0.0, 6.0),
@@ -38,6 +45,12 @@ EARNED = {
         "good": (9.0, 10.0),
         "sharp": (0.0, 6.0),
         "cheating": (0.0, 0.0),
+    },
+    "09-scan-matching": {
+        "matcher": (0.0, 1.5),
+        "good": (9.0, 10.0),
+        "far_partners": (0.0, 3.0),
+        "cheating": (0.0, 1.0),
     },
     "12-avoidance": {"avoid": (0.0, 0.0), "good": (9.0, 10.0), "point": (0.0, 0.0), "cheating": (0.0, 0.0)},
 }
