@@ -25,6 +25,7 @@ EARNED = {
         "one_way": (2.0, 5.0),
         "cheating": (0.0, 0.5),
     },
+    "03-sensors": {"heading": (0.0, 0.5), "good": (9.0, 10.0), "bias_alone": (0.5, 4.0), "cheating": (0.0, 0.5)},
     "04-wall-following": {"follow": (0.0, 6.0), "good": (9.0, 10.0), "swinging": (6.5, 7.5), "cheating": (0.0, 3.0)},
     "05-gyro-and-compass": {
         "heading": (0.0, 6.0),
