@@ -53,6 +53,12 @@ EARNED = {
         "far_partners": (0.0, 3.0),
         "cheating": (0.0, 1.0),
     },
+    "10-graph-slam": {
+        "graph": (0.0, 2.0),
+        "good": (9.0, 10.0),
+        "unwrapped": (0.0, 3.0),
+        "cheating": (0.0, 1.0),
+    },
     "12-avoidance": {"avoid": (0.0, 0.0), "good": (9.0, 10.0), "point": (0.0, 0.0), "cheating": (0.0, 0.0)},
 }
 # The criterion that a mistake costs whole, and it alone, in labs where there is one.
