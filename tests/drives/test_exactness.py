@@ -46,7 +46,7 @@ def of_model(name: str, tmp_path, size: float) -> am.Robot:
         shape=robot.shape,
         drive=robot.drive,
         sensors=quiet,
-        estimators=robot.estimators,
+        estimators={"dead_reckoning": am.estimators.DeadReckoning()},
         controller=Anywhere(),
         on_collision="continue",
         pose=robot.pose,
