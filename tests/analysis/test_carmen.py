@@ -114,6 +114,14 @@ def test_odometry_that_waited_gets_the_time_of_the_line_before_it(tmp_path: Path
     assert [one.odometry[0] for one in messages if one.kind == "ODOM"] == list(range(7))
 
 
+def test_two_scans_of_one_time_are_both_kept(tmp_path: Path) -> None:
+    scans = [f"FLASER 1 {n} {n} 0 0 {n} 0 0 {time} host 0" for n, time in ((1, 10.0), (2, 10.5), (3, 10.5), (4, 10.4))]
+    entries = list(read_log(written(tmp_path, "\n".join(scans)), robot(beams=1)))
+    assert [entry.readings["laser"].item() for entry in entries] == [1.0, 2.0, 3.0, 4.0]
+    assert [entry.time for entry in entries] == pytest.approx([10.0, 10.5, 10.5, 10.5], abs=1e-5)
+    assert (np.diff([entry.time for entry in entries]) > 0.0).all()
+
+
 def test_a_log_that_goes_far_back_is_refused(tmp_path: Path) -> None:
     lines = [f"ODOM {n} 0 0 0 0 0 {n} host 0" for n in [*range(100, 130), *range(30)]]
     with pytest.raises(AnalysisError, match="of 0 s comes after one of 129 s; expected a log in the order of time"):
