@@ -207,7 +207,7 @@ def test_real_logs_are_read_whole(name: str, scans: int) -> None:
 @pytest.mark.long
 @pytest.mark.skipif(not SHARED.exists(), reason="there are no shared logs")
 def test_few_scans_of_a_real_log_are_matched_wrongly() -> None:
-    """The wheels alone are off by more than 0.3 m or 5 degrees in 257 of the 909 increments."""
+    """The wheels alone are off by more than 0.3 m or 5 degrees in 258 of the 909 increments."""
     with_laser = with_real_laser()
     runner = am.EstimatorRunner(with_laser, ScanMatching(wheel_variance=2e-3, range_std=0.02))
     found = []
@@ -219,7 +219,7 @@ def test_few_scans_of_a_real_log_are_matched_wrongly() -> None:
     off = am.relative(np.array(found[:-1]), np.array(found[1:])) - am.relative(corrected[:-1], corrected[1:])
     wrong = (np.hypot(off[:, 0], off[:, 1]) > 0.3) | (np.abs(am.wrap_angle(off[:, 2])) > math.radians(5.0))
     assert len(found) == 910
-    assert wrong.sum() <= 20  # 15 as measured
+    assert wrong.sum() <= 12  # 9 as measured
 
 
 @pytest.mark.long
@@ -232,8 +232,8 @@ def test_a_real_log_becomes_a_graph_about_as_right_as_the_corrected_path() -> No
     off = am.analysis.relation_errors(found.path, relations, most_apart=0.006)
     wheels = am.analysis.relation_errors(found.odometry, relations, most_apart=0.006)
     assert len(off.position) >= 110
-    assert np.median(off.position) < 0.045  # 0.039 as measured
-    assert off.position.mean() < 0.06  # 0.047
+    assert np.median(off.position) < 0.045  # 0.038 as measured
+    assert off.position.mean() < 0.06  # 0.048
     assert wheels.position.mean() > 2.0
 
 
