@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import math
 import os
+import zlib
 
 import numpy as np
 import numpy.typing as npt
@@ -35,7 +36,7 @@ def read_relations(path: str | os.PathLike[str]) -> Array:
     try:
         data = file.read_bytes()
         text = (gzip.decompress(data) if file.suffix == ".gz" else data).decode("utf-8", "replace")
-    except (OSError, EOFError) as error:
+    except (OSError, EOFError, zlib.error) as error:
         raise AnalysisError(f"{file}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
     rows = []
     for number, line in enumerate(text.splitlines(), start=1):
@@ -45,10 +46,11 @@ def read_relations(path: str | os.PathLike[str]) -> Array:
         try:
             first, second, x, y, _, _, _, heading = map(float, words[:8])
         except ValueError:
-            first = np.nan
-        if not np.isfinite(first):
+            first = second = x = y = heading = math.nan
+        row = first, second, x, y, heading
+        if not all(map(math.isfinite, row)):
             raise AnalysisError(f"{file}, line {number}: expected 8 numbers: time1 time2 x y z roll pitch yaw")
-        rows.append((first, second, x, y, heading))
+        rows.append(row)
     if not rows:
         raise AnalysisError(f"{file}: expected relations, lines of time1 time2 x y z roll pitch yaw; found none")
     return np.array(rows)

@@ -10,7 +10,7 @@ import typer
 
 from amorsim.cli.console import complain, say
 from amorsim.cli.study import check_out, table
-from amorsim.core.errors import AmorsimError
+from amorsim.core.errors import AmorsimError, AnalysisError
 
 if TYPE_CHECKING:
     from amorsim.analysis.pose_errors import PoseErrors
@@ -158,7 +158,10 @@ def _graph_slam(robot: Robot) -> str:
 
 
 def _errors(found: SlamResult, known: Any) -> dict[str, PoseErrors]:
-    """The errors of each path in known relations, by its name; the relations' clock is put to that of the log."""
+    """The errors of each path in known relations, by its name; none, with a complaint, if no scan is at their times.
+
+    The relations' clock is put to that of the log.
+    """
     from amorsim.analysis.pose_errors import relation_errors
     from amorsim.analysis.relations import clock_offset
     from amorsim.reports.slam import PATHS
@@ -167,7 +170,11 @@ def _errors(found: SlamResult, known: Any) -> dict[str, PoseErrors]:
     if offset:
         say(f"the clock of the relations is {offset:.3f} s ahead of the log's: taken off")
     moved = known - [offset, offset, 0.0, 0.0, 0.0]
-    return {name: relation_errors(getattr(found, name), moved, most_apart=_SAME) for name, _ in PATHS}
+    try:
+        return {name: relation_errors(getattr(found, name), moved, most_apart=_SAME) for name, _ in PATHS}
+    except AnalysisError as error:  # what was computed is kept
+        complain(f"--relations: {error}")
+        return {}
 
 
 def _facts(found: SlamResult, log: Path, robot: Robot, estimator: str) -> list[tuple[str, object]]:

@@ -117,7 +117,10 @@ def test_relations_are_read_and_their_clock_is_found(tmp_path: Path) -> None:
     assert clock_offset(relations, regular) == 0.0  # which of many?
 
 
-@pytest.mark.parametrize(("text", "words"), [("1 2 3\n", "line 1: expected 8 numbers"), ("", "found none")])
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [("1 2 3\n", "line 1: expected 8 numbers"), ("1 2 nan 0 0 0 0 0\n", "line 1: expected 8"), ("", "found none")],
+)
 def test_a_file_without_relations_is_refused(tmp_path: Path, text: str, words: str) -> None:
     path = tmp_path / "a.relations"
     path.write_text(text)
@@ -125,6 +128,9 @@ def test_a_file_without_relations_is_refused(tmp_path: Path, text: str, words: s
         read_relations(path)
     with pytest.raises(AnalysisError, match="cannot be read"):
         read_relations(tmp_path / "none.relations")
+    (tmp_path / "bad.gz").write_bytes(b"\x1f\x8b\x08" + bytes(30))
+    with pytest.raises(AnalysisError, match="cannot be read"):
+        read_relations(tmp_path / "bad.gz")
 
 
 def test_a_relation_of_one_pose_to_itself_tells_nothing() -> None:

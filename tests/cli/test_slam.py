@@ -68,6 +68,14 @@ def test_errors_in_known_relations_are_printed(amorsim: Command, log: Path, tmp_
     assert " 0.000 " in next(line for line in result.out.splitlines() if line.startswith("as known at the end"))
 
 
+def test_relations_of_another_log_cost_nothing_that_was_computed(amorsim: Command, log: Path, tmp_path: Path) -> None:
+    (tmp_path / "other.relations").write_text("1e9 1000000002.0 0.5 0 0 0 0 0\n")
+    result = amorsim("slam", log, "--out", "lab", "--relations", "other.relations")
+    assert result.status == 0
+    assert "has no poses at the times of these relations" in result.err
+    assert (tmp_path / "lab" / "report.html").exists()
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
