@@ -20,6 +20,7 @@ from amorsim.core.map import Map
 from amorsim.scenario.spec import Robot
 from amorsim.simulation.alike import channels_of
 from amorsim.simulation.events import Event
+from amorsim.simulation.keeping import LAST
 from amorsim.worlds.drawn import map_of, origin_of
 
 __all__ = ["episode_of", "measure"]
@@ -60,8 +61,10 @@ def episode_of(files: RunFiles, needs: Sequence[str], *, robot: str | None = Non
     specified = next(each for each in files.scenario.robots if each.name == robot)
     kept: dict[str, npt.NDArray[Any]] = {}
     for name in needs:
-        kept[name] = np.array(poses[name] if name in _OF_POSES else _read(files, name, specified))
-    steps = min([len(poses["time"]), *(len(array) for array in kept.values())])
+        whole = name.removeprefix(LAST)
+        array = np.array(poses[whole] if whole in _OF_POSES else _read(files, whole, specified))
+        kept[name] = array[-1:] if name.startswith(LAST) else array
+    steps = min([len(poses["time"]), *(len(array) for name, array in kept.items() if not name.startswith(LAST))])
     if not steps:
         raise AnalysisError(
             f"{files.folder}: its tables of {robot!r} hold no moment for {', '.join(needs) or 'a metric'}"

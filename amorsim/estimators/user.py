@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Context, Draws, Estimate, Estimator, Measurement, RobotModel, State
+from amorsim.contracts import Beliefs, Context, Draws, Estimate, Estimator, Measurement, RobotModel, State
 from amorsim.core.error_text import RAISED, in_words
 from amorsim.core.errors import ComponentError
 from amorsim.core.one_robot import PoseVector, RobotReadings
@@ -33,6 +33,9 @@ class UserEstimator(UserCode, Estimator):
     - ``elapsed``: the time since the previous update [s], 0 at the first.
 
     These are copies and may be kept. The return value is the estimated pose `(3,)`, or that and a covariance `(3, 3)`.
+
+    A class may also have ``beliefs(self)``, which returns arrays by name: what else it believes, such as the particles
+    or the map that the window draws. It is called where somebody looks.
     """
 
     kind: ClassVar[str] = "estimator"
@@ -92,6 +95,27 @@ class UserEstimator(UserCode, Estimator):
             pose[row], covariance[row] = self._checked(answer, robot.who(row))
         return Estimate(pose, covariance)
 
+    def beliefs(self, state: State) -> Beliefs:
+        """What the objects believe besides the pose, stacked over the rows; nothing if the class has no such method.
+
+        Where an object has fewer numbers than another, as particles, the rest is nan.
+
+        Raises
+        ------
+        ComponentError
+            If the user's code raises, or returns something else than arrays by name.
+        """
+        found: list[dict[str, Array]] = []
+        for row, made in enumerate(state.get("objects", ())):
+            if not hasattr(made, "beliefs"):
+                return {}
+            try:
+                given = made.beliefs()
+                found.append({str(name): _as_belief(values) for name, values in dict(given).items()})
+            except RAISED as error:
+                raise self.raised(error, f"row {row}, its beliefs,", None, "") from error
+        return {name: _stacked([each.get(name, np.empty(0)) for each in found]) for name in found[0]} if found else {}
+
     def _checked(self, answer: Any, who: str) -> tuple[Array, Array]:
         """The pose and the covariance of an answer."""
         try:
@@ -105,6 +129,23 @@ class UserEstimator(UserCode, Estimator):
                 "[m, m, rad], or that and its covariance (3, 3)"
             )
         return pose, covariance
+
+
+def _as_belief(values: Any) -> npt.NDArray[Any]:
+    """A belief of one robot, of a type that beliefs may have."""
+    array = np.asarray(values)
+    return array.copy() if array.dtype in (np.bool_, np.int64) else array.astype(np.float64)
+
+
+def _stacked(parts: Sequence[npt.NDArray[Any]]) -> npt.NDArray[Any]:
+    """Arrays as the rows of one, those that are smaller filled up with nan."""
+    if len({part.shape for part in parts}) == 1:
+        return np.stack(parts)
+    whole = np.full((len(parts), *(max(sizes) for sizes in zip(*(part.shape for part in parts), strict=True))), np.nan)
+    for row, part in enumerate(parts):
+        place: tuple[Any, ...] = (row, *map(slice, part.shape))
+        whole[place] = part
+    return whole
 
 
 class _Standing:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from amorsim.metrics.consistency import Nees, Nis
-from amorsim.metrics.driving import ArrivalTime, Collisions, PathLength, Success, Turning
+from amorsim.metrics.driving import ArrivalTime, Collisions, PathLength, Spl, Success, Turning
 from amorsim.metrics.errors import HeadingError, PositionError, RecoveryTime
+from amorsim.metrics.mapping import MapAccuracy, MapCompleteness, MapIou
 from amorsim.metrics.space import Clearance, Coverage
 
 __all__ = [
@@ -13,11 +14,15 @@ __all__ = [
     "Collisions",
     "Coverage",
     "HeadingError",
+    "MapAccuracy",
+    "MapCompleteness",
+    "MapIou",
     "Nees",
     "Nis",
     "PathLength",
     "PositionError",
     "RecoveryTime",
+    "Spl",
     "Success",
     "Turning",
 ]

@@ -13,8 +13,9 @@ from amorsim.contracts import Episode, Metric, parameter
 from amorsim.core.poses import wrap_angle
 from amorsim.metrics.jumps import before_steps
 from amorsim.metrics.series import total
+from amorsim.planners.theta_star import ThetaStar
 
-__all__ = ["ArrivalTime", "Collisions", "PathLength", "Success", "Turning"]
+__all__ = ["ArrivalTime", "Collisions", "PathLength", "Spl", "Success", "Turning"]
 
 Array = npt.NDArray[np.float64]
 
@@ -135,6 +136,48 @@ class Success(Metric):
         if self.goal is None:
             return np.where(is_safe, 1.0, 0.0)
         return np.where(is_safe & _near(episode, self.goal, self.tolerance).any(axis=0), 1.0, 0.0)
+
+
+@attrs.frozen(kw_only=True)
+class Spl(Metric):
+    """Success weighted by path length: the shortest way to the goal over the way driven until there; 0 without success.
+
+    The shortest way is that of a circle as large as the robot's footprint reaches, by Theta* on cells of `cell`, up to
+    `tolerance` before the goal. A robot that drives a shorter way has 1. nan where there is no such way. After
+    P. Anderson and others, "On evaluation of embodied navigation agents", 2018.
+    """
+
+    unit: ClassVar[str] = ""
+    better: ClassVar[str] = "higher"
+
+    goal: tuple[float, float] = parameter(unit="m", frame="world", help="where it is to go")
+    tolerance: float = parameter(0.5, unit="m", gt=0, help="how near the goal counts as arrived")
+    collisions: int = parameter(0, ge=0, help="how many collisions are forgiven")
+    cell: float = parameter(0.05, unit="m", gt=0, help="side of the cells on which the shortest way is planned")
+
+    def needs(self) -> Sequence[str]:
+        """See `Metric`."""
+        return ("true_pose",)
+
+    def measure(self, episode: Episode) -> Array:
+        """See `Metric`."""
+        poses, planner = episode.kept["true_pose"], ThetaStar(cell=self.cell)
+        near = _near(episode, self.goal, self.tolerance)
+        is_safe = _counts(episode, "collision") <= self.collisions
+        steps = poses[1:, :, :2] - before_steps(episode)[..., :2]
+        driven = np.add.accumulate(np.sqrt(steps[..., 0] ** 2 + steps[..., 1] ** 2), axis=0)
+        found = np.zeros(len(episode.replicas))
+        for row in range(len(found)):
+            start = poses[0, row, :2].tolist()
+            shortest = planner.plan(episode.map_of(row), start, self.goal, footprint=episode.shape).length
+            if not np.isfinite(shortest):
+                found[row] = np.nan
+            elif is_safe[row] and near[:, row].any():
+                first = int(np.argmax(near[:, row]))
+                least = max(shortest - self.tolerance, 0.0)
+                way = driven[first - 1, row] if first else 0.0
+                found[row] = least / max(way, least) if way > 0.0 else 1.0
+        return found
 
 
 def _near(episode: Episode, goal: tuple[float, float], within: float) -> npt.NDArray[np.bool_]:

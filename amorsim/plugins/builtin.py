@@ -161,8 +161,12 @@ def amorsim_register(registry: Registry) -> None:
     registry.metric("arrival_time", "amorsim.metrics.driving:ArrivalTime")
     registry.metric("collisions", "amorsim.metrics.driving:Collisions")
     registry.metric("success", "amorsim.metrics.driving:Success")
+    registry.metric("spl", "amorsim.metrics.driving:Spl")
     registry.metric("clearance", "amorsim.metrics.space:Clearance")
     registry.metric("coverage", "amorsim.metrics.space:Coverage")
+    registry.metric("map_accuracy", "amorsim.metrics.mapping:MapAccuracy")
+    registry.metric("map_completeness", "amorsim.metrics.mapping:MapCompleteness")
+    registry.metric("map_iou", "amorsim.metrics.mapping:MapIou")
 
     registry.task("point_goal", "amorsim.tasks.point_goal:PointGoal")
 

@@ -72,6 +72,8 @@ class Arrays(Recorder):
                 if self.of and name not in self.of:
                     continue
                 beliefs = frame.beliefs[name]
+                if not beliefs:
+                    continue
                 data = io.BytesIO()
                 names: Any = np.array(list(frame.names))
                 whole: dict[str, Any] = {**beliefs, "time": frame.time, "robot": names, "replica": frame.replica}

@@ -14,7 +14,7 @@ from amorsim.core.errors import AmorsimError
 from amorsim.core.memory import too_large
 from amorsim.core.unknown_names import no_such
 
-__all__ = ["Keeper", "quantity_problem"]
+__all__ = ["LAST", "Keeper", "quantity_problem"]
 
 Array = npt.NDArray[Any]
 Pick = Callable[[Frame], Array | None]
@@ -23,6 +23,7 @@ _OWN = ("true_pose", "estimated_pose", "covariance", "active", "by_hand", "touch
 _OF_FRAME = ("true_twist", "joint_rates", "command", "part_pose")
 _OF_READING = ("measured", "true", "stamp", "age", "fresh")
 _OF_ESTIMATE = ("pose", "covariance")
+LAST = "last."  # begins the names of quantities of the last step alone
 
 
 class Simulated(Protocol):
@@ -52,6 +53,7 @@ class Keeper:
                                 ``.age`` [s], ``.fresh``
     ``estimates.NAME.pose``     (S, N, 3); ``estimates.NAME.covariance`` (S, N, 3, 3)
     ``beliefs.NAME.BELIEF``     (S, N, ...)
+    ``last.QUANTITY``           (1, N, ...) any of these, of the last step alone: for large ones, such as maps
     ==========================  =========================================================================
 
     What a robot does not have, and another has, is nan.
@@ -71,14 +73,14 @@ class Keeper:
         self._simulation = simulation
         self._count = 0
         self._names = tuple(dict.fromkeys(texts(names, "keep", "names")))
-        self._picks = {name: _pick(simulation, name) for name in self._names if name not in _OWN}
-        self._beliefs: dict[str, list[str]] = {}  # that are kept, by whose they are
-        for name in self._picks:
-            kind, _, rest = name.partition(".")
-            if kind == "beliefs":
-                whose, _, what = rest.partition(".")
-                self._beliefs.setdefault(whose, []).append(what)
-        first = self._look()
+        self._every = [name for name in self._names if not name.startswith(LAST)]
+        self._last: dict[str, Array] = {}
+        self._picks = {
+            name: _pick(simulation, name)
+            for name in dict.fromkeys(each.removeprefix(LAST) for each in self._names)
+            if name not in _OWN
+        }
+        first = self._look(self._every)
         each = sum(array.nbytes for array in first.values())
         if problem := too_large(steps, each):
             raise AmorsimError(
@@ -89,23 +91,38 @@ class Keeper:
 
     def keep(self) -> None:
         """Keep the simulation's present step."""
-        for name, array in self._look().items():
+        for name, array in self._look(self._every).items():
             self._arrays[name][self._count] = array
         self._count += 1
+
+    def keep_last(self, ended: npt.NDArray[np.bool_] | None = None) -> None:
+        """Keep the present step as the last one: of the replicas `ended` `(R,)`, or of all."""
+        wanted = [name.removeprefix(LAST) for name in self._names if name.startswith(LAST)]
+        for name, array in self._look(wanted).items():
+            whole = self._last.setdefault(LAST + name, np.array(array)[None])
+            if ended is not None:
+                rows = np.repeat(ended, len(self._simulation.names))
+                whole[0, rows] = array[rows]
 
     @property
     def arrays(self) -> dict[str, Array]:
         """The values kept so far, by name: arrays whose first axis is the step."""
-        return {name: array[: self._count] for name, array in self._arrays.items()}
+        return {name: array[: self._count] for name, array in self._arrays.items()} | self._last
 
-    def _look(self) -> dict[str, Array]:
+    def _look(self, names: Sequence[str]) -> dict[str, Array]:
         simulation = self._simulation
-        frames = simulation.frames() if self._picks else []
-        if self._beliefs:
-            frames = [frame._replace(beliefs=_some(frame, self._beliefs)) for frame in frames]
+        beliefs: dict[str, list[str]] = {}  # that are wanted, by whose they are
+        for name in names:
+            kind, _, rest = name.partition(".")
+            if kind == "beliefs":
+                whose, _, what = rest.partition(".")
+                beliefs.setdefault(whose, []).append(what)
+        frames = simulation.frames() if any(name in self._picks for name in names) else []
+        if beliefs:
+            frames = [frame._replace(beliefs=_some(frame, beliefs)) for frame in frames]
         return {
             name: _whole(simulation, frames, self._picks[name]) if name in self._picks else getattr(simulation, name)
-            for name in self._names
+            for name in names
         }
 
 
@@ -161,10 +178,10 @@ def _pick(simulation: Simulated, name: str) -> Pick:
 
 def quantity_problem(name: str) -> str:
     """The fault of a name that no quantity of any robot has; empty if some robot may have it."""
-    kind, _, rest = name.partition(".")
+    kind, _, rest = name.removeprefix(LAST).partition(".")
     whose, _, what = rest.partition(".")
     dotted = {"readings": _OF_READING, "estimates": _OF_ESTIMATE, "beliefs": (what,)}
-    if name in (*_OWN, *_OF_FRAME):
+    if name.removeprefix(LAST) in (*_OWN, *_OF_FRAME):
         return ""
     if whose and kind in dotted and (what or "measured") in dotted[kind]:
         return ""

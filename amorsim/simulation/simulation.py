@@ -208,8 +208,9 @@ class Simulation:
             of `true_pose`. Names are ``true_pose``, ``estimated_pose``, ``covariance``, ``true_twist``,
             ``joint_rates``, ``command``, ``active``, ``by_hand``, ``touching``; ``part_pose``, which is ``(steps, N,
             parts, 3)``; ``readings.NAME``, which is what was measured, or ``readings.NAME.true``, ``.stamp`` [steps],
-            ``.age`` [s], ``.fresh``; ``estimates.NAME.pose`` and ``.covariance``; ``beliefs.NAME.BELIEF``. What a robot
-            does not have, and another has, is nan.
+            ``.age`` [s], ``.fresh``; ``estimates.NAME.pose`` and ``.covariance``; ``beliefs.NAME.BELIEF``. With
+            ``last.`` before it, a quantity is ``(1, N, ...)``, of the last step alone. What a robot does not have, and
+            another has, is nan.
         progress
             Whether a bar is shown after two seconds, in a terminal or a notebook.
 
@@ -230,7 +231,10 @@ class Simulation:
                     keeper.keep()
                 if interrupt.is_wanted:
                     raise KeyboardInterrupt
-        return None if keeper is None else keeper.arrays
+        if keeper is None:
+            return None
+        keeper.keep_last()
+        return keeper.arrays
 
     def steps_of(self, duration: float) -> int:
         """The number of steps in a duration [s], rounded up.

@@ -203,10 +203,14 @@ def _simulate(
                 session.keep()
             if ended is None:
                 continue
-            for row in np.flatnonzero(ended.look() & goes_on).tolist():
+            now = ended.look() & goes_on
+            for row in np.flatnonzero(now).tolist():
                 ends[row], digests[row], goes_on[row] = step, simulation.digest(replicas[row]), False
+            if now.any():
+                keeper.keep_last(now)
             if not goes_on.any():
                 break
+    keeper.keep_last(goes_on)
     for row, replica in enumerate(replicas):
         digests[row] = digests[row] or simulation.digest(replica)
     return ends, digests

@@ -107,7 +107,7 @@ def _robot(name: str, scenario: Scenario, robot: str) -> Robot:
 def _can_judge(kind: type[Metric], field: str, estimator: str, scenarios: Mapping[str, Scenario]) -> bool:
     """Whether the estimator has what the metric needs; which beliefs it has, only a simulation knows."""
     needs = kind(**{field: estimator}).needs()
-    if not any(name.startswith("beliefs.") for name in needs):
+    if not any("beliefs." in name for name in needs):
         return True
     try:
         for scenario in scenarios.values():

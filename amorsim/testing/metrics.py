@@ -12,7 +12,7 @@ from amorsim.core.map import Map
 from amorsim.core.poses import compose
 from amorsim.core.shapes import Shape
 from amorsim.simulation.events import Event
-from amorsim.simulation.keeping import quantity_problem
+from amorsim.simulation.keeping import LAST, quantity_problem
 from amorsim.testing.failure import Who, array_in_words
 
 __all__ = ["check_metric"]
@@ -92,7 +92,13 @@ def _episode(needs: Any) -> Episode:
     kept: dict[str, Any] = {}
     for name in needs:
         last = name.rpartition(".")[2]
-        if name == "true_pose":
+        if last == "occupancy":
+            kept[name] = random.uniform(0.0, 1.0, (_STEPS, _ROWS, 40, 60))
+        elif last == "occupancy_resolution":
+            kept[name] = np.full((_STEPS, _ROWS), 0.1)
+        elif last == "occupancy_origin":
+            kept[name] = np.zeros((_STEPS, _ROWS, 2))
+        elif name == "true_pose":
             kept[name] = true.copy()
         elif name == "part_pose":
             kept[name] = compose(true.reshape(-1, 3), np.tile([-0.5, 0.0, 0.0], (true[..., 0].size, 1)))
@@ -105,6 +111,8 @@ def _episode(needs: Any) -> Episode:
             kept[name] = random.uniform(size=(_STEPS, _ROWS)) < 0.5
         else:
             kept[name] = random.uniform(0.1, 3.0, (_STEPS, _ROWS, 3))
+        if name.startswith(LAST):
+            kept[name] = kept[name][-1:]
     events = []
     for replica in range(0, _ROWS, 2):
         at: dict[str, Any] = {"tick": 20 + replica, "time": (20.5 + replica) * _DT, "replica": replica, "name": "rover"}

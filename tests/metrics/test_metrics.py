@@ -20,11 +20,15 @@ from amorsim.metrics import (
     Collisions,
     Coverage,
     HeadingError,
+    MapAccuracy,
+    MapCompleteness,
+    MapIou,
     Nees,
     Nis,
     PathLength,
     PositionError,
     RecoveryTime,
+    Spl,
     Success,
     Turning,
 )
@@ -266,3 +270,67 @@ def test_a_table_without_rows_is_said_to_hold_nothing(tmp_path: Path) -> None:
     for metric in (Nees(at="end"), Nees(at="mean")):
         with pytest.raises(am.AnalysisError, match="hold no moment for"):
             measure(tmp_path / "run", metric)
+
+
+def test_the_way_counts_as_far_as_it_is_longer_than_the_shortest() -> None:
+    """One goes straight, one by a corner, one not at all, and one touches something."""
+    corner = np.concatenate((np.linspace((1.0, 1.0), (4.0, 1.0), 31), np.linspace((4.0, 1.1), (4.0, 3.0), 20)))
+    line = np.linspace((1.0, 1.0), (4.0, 3.0), len(corner))
+    true = np.zeros((len(corner), 4, 3))
+    true[:, 0, :2], true[:, 1, :2], true[:, 2, :2], true[:, 3, :2] = line, corner, (1.0, 1.0), line
+    found = Spl(goal=(4.0, 3.0), tolerance=0.1).measure(episode(true, events=[event("collision", 1.0, replica=3)]))
+    shortest = math.hypot(3.0, 2.0) - 0.1
+    assert found == pytest.approx([1.0, shortest / 4.9, 0.0, 0.0], abs=0.03)
+    assert np.isnan(Spl(goal=(99.0, 3.0)).measure(episode(true))).all()
+
+
+def drawn(cells: Any, side: float, origin: tuple[float, float]) -> am.Episode:
+    """An episode at whose end two replicas have maps."""
+    maps = np.asarray(cells, float)
+    kept = {
+        "last.beliefs.own.occupancy": maps[None],
+        "last.beliefs.own.occupancy_origin": np.tile(origin, (1, 2, 1)),
+        "last.beliefs.own.occupancy_resolution": np.full((1, 2), side),
+    }
+    return episode(straight(), **kept)
+
+
+@pytest.mark.parametrize("origin", [(0.0, 0.0), (-0.5, -1.0)])
+def test_a_perfect_map_is_perfect_and_a_shifted_one_is_off_by_the_shift(origin: tuple[float, float]) -> None:
+    world, side = building.room(), 0.1
+    wide, high = (round((size + 2.0) / side) for size in world.size)
+    perfect = np.zeros((high, wide))
+    walls = world.to_array(resolution=side)
+    row, column = round(-origin[1] / side), round(-origin[0] / side)
+    perfect[row : row + len(walls), column : column + len(walls[0])] = walls
+    shifted = np.roll(perfect, 1, axis=0)
+    both = drawn([perfect, shifted], side, origin)
+    assert MapIou(estimator="own").measure(both)[0] == 1.0
+    assert MapIou(estimator="own").measure(both)[1] < 0.8
+    accuracy, completeness = (kind(estimator="own").measure(both) for kind in (MapAccuracy, MapCompleteness))
+    assert accuracy[0] == completeness[0] == 0.0
+    assert 0.0 < accuracy[1] <= side
+    assert 0.0 < completeness[1] <= side
+
+
+def test_a_map_without_walls_is_not_accurate_and_one_of_walls_alone_is_complete() -> None:
+    wide, high = (round(size / 0.1) for size in building.room().size)
+    both = drawn([np.zeros((high, wide)), np.ones((high, wide))], 0.1, (0.0, 0.0))
+    accuracy, completeness = (kind(estimator="own").measure(both) for kind in (MapAccuracy, MapCompleteness))
+    assert np.isnan(accuracy[0])
+    assert accuracy[1] > 0.3
+    assert completeness.tolist() == [np.inf, 0.0]
+    assert MapIou(estimator="own").measure(both).max() < 0.2
+
+
+def test_nees_of_particles_is_that_of_their_mean_and_covariance() -> None:
+    random = np.random.default_rng(1)
+    particles = random.normal((2.0, 3.0, math.pi), (0.1, 0.2, 0.05), (5, 2, 4000, 3))
+    weights = random.uniform(0.5, 1.0, particles.shape[:3])
+    weights[:, 1, 2000:] = np.nan  # a cloud that has shrunk
+    particles[:, 1, 2000:] = np.nan
+    true = np.tile((2.1, 3.0, -math.pi), (5, 2, 1))
+    kept = {"beliefs.own.particles": particles, "beliefs.own.weights": weights}
+    assert Nees(estimator="own", particles=True).measure(episode(true, **kept)) == pytest.approx([1.0, 1.0], rel=0.2)
+    with pytest.raises(am.ParameterError, match="whose particles"):
+        Nees(particles=True)
