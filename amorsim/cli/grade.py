@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from amorsim.cli.console import compile_once, say
+from amorsim.cli.console import compile_once, complain, say
+from amorsim.cli.progress import case_progress
 from amorsim.core.errors import RunError
 
 __all__ = ["command"]
@@ -27,12 +28,14 @@ def command(
         Path | None,
         typer.Option("--gradescope", metavar="FILE", help="Also write Gradescope's results.json, of one submission."),
     ] = None,
+    jobs: Annotated[int, typer.Option("--jobs", "-j", metavar="N", help="How many processes grade.")] = 1,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
 ) -> None:
     """Grade controllers or estimators: over seeds and worlds that they do not know, fenced in by bubblewrap.
 
     Writes grades.csv for the lecturer and a page for each submission, as each is finished. One that raises, hangs, ends
-    its process or needs too much memory has no points in that run, with the reason.
+    its process or needs too much memory has no points in that run, with the reason. The same command goes on with a
+    grading that was interrupted.
     """
     from amorsim.cli.study import table
     from amorsim.grading.grade import grade
@@ -46,7 +49,14 @@ def command(
     if gradescope is not None and len(submissions) != 1:
         raise RunError(f"--gradescope is for one submission, got {len(submissions)}")
     compile_once(look, quiet)
-    found = grade(rubric, submissions, out, fence=not no_fence, seeds=seeds, progress=None if quiet else say)
+    if jobs < 1:
+        raise RunError(f"--jobs: expected 1 or more, got {jobs}")
+    try:
+        with case_progress(quiet) as progress:
+            found = grade(rubric, submissions, out, fence=not no_fence, seeds=seeds, jobs=jobs, progress=progress)
+    except KeyboardInterrupt:
+        complain(f"interrupted; what is graded is in {out}. The same command goes on")
+        raise typer.Exit(130) from None
     if gradescope is not None:
         write_gradescope(gradescope, rubric, found[0])
     if quiet:

@@ -70,13 +70,14 @@ def check(
     compile_once(look)
     rubric = read_rubric(found.rubric)
     with tempfile.TemporaryDirectory(prefix="amorsim-lab-") as out:
-        graded = grade(found.rubric, [program], Path(out) / "grades", fence=not no_fence, progress=say)[0]
+        folder = Path(out) / "grades"
+        graded = grade(found.rubric, [program], folder, fence=not no_fence, progress=lambda line, *_: say(line))[0]
     rows = [
         [
             criterion.measured.name,
             f"{graded.points_for(criterion.measured.name):.2f}",
             f"{criterion.points:g}",
-            f"all at {criterion.full:g}, none at {criterion.none:g}",
+            "none at {}, all at {}".format(*criterion.in_words),
         ]
         for criterion in rubric.criteria
     ]

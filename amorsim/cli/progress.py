@@ -13,7 +13,7 @@ from amorsim.cli.console import say
 if TYPE_CHECKING:
     from amorsim.sweeps.sweep import Progress
 
-__all__ = ["study_progress"]
+__all__ = ["case_progress", "study_progress"]
 
 _EVERY = 30.0  # [s] between lines about the progress where there is no terminal
 
@@ -36,6 +36,26 @@ def study_progress(quiet: bool = False) -> Iterator[Callable[[Progress], None] |
 
         def draw(progress: Progress) -> None:
             bar.update(task, completed=progress.done, total=progress.total, left=_words(progress))
+
+        yield draw
+
+
+@contextlib.contextmanager
+def case_progress(quiet: bool = False) -> Iterator[Callable[[str, int, int], None] | None]:
+    """What `grade` calls with a line about each case: it is printed, in a terminal above a bar with the time left."""
+    if quiet or not sys.stdout.isatty():
+        yield None if quiet else lambda line, *_: say(line)
+        return
+    from rich.markup import escape
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import Progress as Bar
+
+    with Bar(TextColumn("grading"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), transient=True) as bar:
+        task = bar.add_task("grading", total=None)
+
+        def draw(line: str, done: int, total: int) -> None:
+            bar.console.print(escape(line), highlight=False)
+            bar.update(task, completed=done, total=total)
 
         yield draw
 

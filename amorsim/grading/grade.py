@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import functools
 import itertools
+import multiprocessing
 import os
 import re
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -17,10 +20,12 @@ from amorsim.controllers.user import UserController
 from amorsim.core.atomic_files import write_text
 from amorsim.core.error_text import RAISED, error_in_words
 from amorsim.core.errors import AmorsimError, RunError, StudyError
+from amorsim.core.processes import end_with_parent
 from amorsim.core.reading import is_file
 from amorsim.core.unknown_names import no_such
 from amorsim.grading.fence import Fence, find_fence
 from amorsim.grading.handed_in import HandedIn, hand_in, leads_through_link
+from amorsim.grading.kept_cases import SEEDS, KeptCases, digest_of
 from amorsim.grading.remote import Remote, SubmittedEstimator
 from amorsim.grading.results import UNFENCED, Case, CaseGrade, Grade, page_of, table_of
 from amorsim.grading.rubric import Rubric, read_rubric
@@ -31,7 +36,7 @@ from amorsim.scenario.reading.read import load
 from amorsim.scenario.spec import Scenario
 from amorsim.simulation.keeping import Keeper
 from amorsim.simulation.simulation import Simulation
-from amorsim.sweeps.chunk import episode_at, measure_episode
+from amorsim.sweeps.chunk import episode_at, ignore_interrupts, measure_episode, without_interrupts
 
 __all__ = ["CaseGrade", "Grade", "grade"]
 
@@ -47,7 +52,8 @@ def grade(
     *,
     fence: bool = True,
     seeds: str | os.PathLike[str] | None = None,
-    progress: Callable[[str], None] | None = None,
+    jobs: int = 1,
+    progress: Callable[[str, int, int], None] | None = None,
 ) -> list[Grade]:
     """Grade controllers or estimators in files; write ``grades.csv`` for the lecturer and a page for each submission.
 
@@ -62,13 +68,16 @@ def grade(
     submissions
         The paths of Python files, each with the function or class that the rubric names.
     out
-        The folder of the results, new or empty. ``seeds.toml`` in it repeats the grading.
+        The folder of the results, new or empty. ``seeds.toml`` in it repeats the grading. Where a grading by the same
+        rubric was interrupted in it, this goes on with it; submissions that have changed are graded again.
     fence
         Whether submissions are fenced in by bubblewrap. Without it they can read and change what this process can.
     seeds
         The path of ``seeds.toml`` of an earlier grading, whose seeds are used again.
+    jobs
+        How many processes grade. They are started anew, so a script needs ``if __name__ == "__main__":``.
     progress
-        Called with a line about each case.
+        Called with a line about each case, how many are done, and how many there are.
 
     Raises
     ------
@@ -78,32 +87,117 @@ def grade(
         If a file cannot be written.
     """
     paths, folder = [Path(path) for path in submissions], Path(out)
-    grading = _prepare(Path(rubric), paths, folder, fence, seeds)
-    read = grading.rubric
+    kept = KeptCases(folder)
+    seeds = folder / SEEDS if kept.goes_on and seeds is None else seeds
+    grading = _prepare(Path(rubric), paths, folder, fence, seeds, goes_on=kept.goes_on)
+    name = UNFENCED if grading.fence is None else grading.fence.version
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise RunError(f"{folder}: cannot be written ({error.strerror or error})") from None
-    write_seeds(folder / "seeds.toml", grading.seeds)
-    grades: list[Grade] = []
-    for path, label in zip(paths, _labels(paths), strict=True):
+    if not kept.goes_on:
+        write_seeds(folder / SEEDS, grading.seeds)
+    kept.open(Path(rubric), grading.seeds, name)
+    desk = _Desk(grading, folder, list(zip(paths, _labels(paths), strict=True)), name)
+    before, digests = kept.read(case for case, _ in grading.cases), []
+    todo: list[_Task] = []
+    for place, path in enumerate(paths):
         handed_in, problem = _handed_in(grading, path)
-        cases = []
-        for case, scenario in grading.cases:
-            if handed_in is None:
-                cases.append(CaseGrade(case=case, problem=problem))
+        digests.append(digest_of(handed_in, problem))
+        for number, (case, _) in enumerate(grading.cases):
+            found = before.get((digests[-1], case.number))
+            if found is None:
+                todo.append((place, number))
             else:
-                cases.append(_case(grading, case, scenario, handed_in))
-            if progress is not None:
-                progress(f"{label}, {case}: {cases[-1].problem or f'{cases[-1].total:.2f} points'}")
-        left_out = () if handed_in is None else handed_in.left_out
-        name = UNFENCED if grading.fence is None else grading.fence.version
-        grades.append(
-            Grade(submission=path, label=label, cases=tuple(cases), of=read.points, fence=name, left_out=left_out)
+                desk.take(place, found)
+    total = len(paths) * len(grading.cases)
+    again = (Path(rubric), paths, folder, fence, folder / SEEDS)
+    for done, (place, found) in enumerate(_results(grading, paths, todo, jobs, again), start=total - len(todo) + 1):
+        kept.add(digests[place], found)
+        desk.take(place, found)
+        if progress is not None:
+            line = f"{desk.submissions[place][1]}, {found.case}: {found.problem or f'{found.total:.2f} points'}"
+            progress(line, done, total)
+    return desk.grades
+
+
+_Task = tuple[int, int]  # the places of a submission and of a case
+
+
+class _Desk:
+    """Where finished cases arrive: whenever a submission is finished, its page is written, and the table again."""
+
+    def __init__(self, grading: _Grading, folder: Path, submissions: Sequence[tuple[Path, str]], fence: str) -> None:
+        self._grading, self._folder, self._fence = grading, folder, fence
+        self.submissions = submissions
+        self._cases: list[list[CaseGrade]] = [[] for _ in submissions]
+        self._grades: dict[int, Grade] = {}
+
+    @property
+    def grades(self) -> list[Grade]:
+        """The grades of the finished submissions, in the order of these."""
+        return [self._grades[place] for place in sorted(self._grades)]
+
+    def take(self, place: int, found: CaseGrade) -> None:
+        """Take a case of the submission at a place."""
+        cases, rubric = self._cases[place], self._grading.rubric
+        cases.append(found)
+        if len(cases) < len(self._grading.cases):
+            return
+        path, label = self.submissions[place]
+        handed_in, _ = _handed_in(self._grading, path)
+        grade = self._grades[place] = Grade(
+            submission=path,
+            label=label,
+            cases=tuple(sorted(cases, key=lambda each: each.case.number)),
+            of=rubric.points,
+            fence=self._fence,
+            left_out=() if handed_in is None else handed_in.left_out,
         )
-        write_text(folder / f"{label}.html", page_of(read, grades[-1]).text)
-        write_text(folder / "grades.csv", table_of(read, grades))  # each time, so that Ctrl-C loses none
-    return grades
+        write_text(self._folder / f"{label}.html", page_of(rubric, grade).text)
+        write_text(self._folder / "grades.csv", table_of(rubric, self.grades))
+
+
+def _results(
+    grading: _Grading, paths: Sequence[Path], todo: Sequence[_Task], jobs: int, again: tuple[Any, ...]
+) -> Iterator[tuple[int, CaseGrade]]:
+    """The results of cases, as they come; `again` is what other processes prepare the same grading from."""
+    if jobs == 1 or len(todo) < 2:
+        for place, number in todo:
+            yield place, _graded(grading, paths, place, number)
+        return
+    context = multiprocessing.get_context("spawn")
+    pool = ProcessPoolExecutor(min(jobs, len(todo)), context, _begin_worker, (again, os.getpid()))
+    with without_interrupts():
+        waiting = {pool.submit(_graded_by_worker, *task): task for task in todo}
+    try:
+        while waiting:
+            for future in wait(waiting, return_when=FIRST_COMPLETED).done:
+                place, _ = waiting.pop(future)
+                yield place, future.result()
+    except BrokenProcessPool:
+        raise StudyError("a process that graded died; it may have needed more memory than there is") from None
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
+
+
+def _graded(grading: _Grading, paths: Sequence[Path], place: int, number: int) -> CaseGrade:
+    case, scenario = grading.cases[number]
+    handed_in, problem = _handed_in(grading, paths[place])
+    return CaseGrade(case=case, problem=problem) if handed_in is None else _case(grading, case, scenario, handed_in)
+
+
+_worker: list[tuple[_Grading, Sequence[Path]]] = []  # of a process that grades for another: what it has prepared
+
+
+def _begin_worker(again: tuple[Any, ...], parent: int) -> None:
+    end_with_parent(parent)
+    ignore_interrupts()
+    _worker[:] = [(_prepare(*again, goes_on=True), again[1])]
+
+
+def _graded_by_worker(place: int, number: int) -> CaseGrade:
+    return _graded(*_worker[0], place, number)
 
 
 @attrs.frozen(kw_only=True)
@@ -122,7 +216,13 @@ class _Grading:
 
 
 def _prepare(
-    path: Path, submissions: Sequence[Path], out: Path, fence: bool, seeds: str | os.PathLike[str] | None
+    path: Path,
+    submissions: Sequence[Path],
+    out: Path,
+    fence: bool,
+    seeds: str | os.PathLike[str] | None,
+    *,
+    goes_on: bool = False,
 ) -> _Grading:
     """Read and check everything before anything is graded; `StudyError` lists all problems."""
     problems: list[str] = []
@@ -135,7 +235,8 @@ def _prepare(
                 problems.append(str(error))
             return None
 
-    tried(lambda: check_free(out))
+    if not goes_on:
+        tried(lambda: check_free(out))
     rubric = tried(lambda: read_rubric(path))
     drawn = None if seeds is None else tried(lambda: read_seeds(seeds))
     problems += [problem for each in submissions if (problem := _no_submission(each))]
@@ -257,7 +358,8 @@ def _run(grading: _Grading, case: Case, scenario: Scenario, handed_in: HandedIn)
         fence=grading.fence,
     )
     with remote:
-        change: dict[str, Any] = {"estimators": {"submission": SubmittedEstimator(remote=remote)}}
+        own = next(iter(next(each for each in scenario.robots if each.name == robot).estimators), "submission")
+        change: dict[str, Any] = {"estimators": {own: SubmittedEstimator(remote=remote)}}
         if rubric.role == "controller":
             source = f"{handed_in.name}:{rubric.function}"
             change = {"controller": UserController(source=source, function=remote)}
@@ -269,6 +371,7 @@ def _run(grading: _Grading, case: Case, scenario: Scenario, handed_in: HandedIn)
         for _ in range(steps):
             simulation.step()
             keeper.keep()
+        keeper.keep_last()
     values, points = {}, {}
     for each in rubric.criteria:
         measured = each.measured

@@ -30,7 +30,7 @@ def gradescope_results(rubric: Rubric, found: Grade) -> dict[str, object]:
                 "name": each.measured.name,
                 "score": round(found.points_for(each.measured.name), 4),
                 "max_score": each.points,
-                "output": f"all points at {each.full:g}, none at {each.none:g}",
+                "output": "none at {}, all points at {}".format(*each.in_words),
             }
             for each in rubric.criteria
         ],

@@ -6,6 +6,7 @@ what comes back is data: it is never executed, its length is limited, and it is 
 
 from __future__ import annotations
 
+import base64
 import json
 import os
 import select
@@ -17,7 +18,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Context, Draws, Estimate, Estimator, Measurement, RobotModel, State
+from amorsim.contracts import Beliefs, Context, Draws, Estimate, Estimator, Measurement, RobotModel, State
 from amorsim.controllers.user import RobotClock, RobotEstimate, RobotReading, Twist, WheelSpeeds
 from amorsim.core.error_text import in_words
 from amorsim.core.errors import ControllerError, StudyError
@@ -31,6 +32,8 @@ __all__ = ["Remote", "SubmittedEstimator"]
 Array = npt.NDArray[np.float64]
 
 _LONGEST = 1 << 20  # [bytes] of an answer
+_LARGEST = 1 << 26  # [bytes] of the beliefs of an estimator
+_KINDS = tuple(np.dtype(kind).str for kind in (np.float64, np.int64, np.bool_))  # of numbers in beliefs
 _START = 60.0  # [s] to load the file in
 
 
@@ -160,6 +163,20 @@ class Remote:
             )
         return pose, covariance
 
+    def beliefs(self) -> dict[str, npt.NDArray[Any]]:
+        """The submission's beliefs, by name; whatever it sends, they are arrays of numbers."""
+        self._say({"beliefs": True}, "when its beliefs were asked for")
+        _, value = self._answer("when its beliefs were asked for", _LARGEST)
+        found = {}
+        try:
+            for name, (kind, shape, data) in value.items():
+                if kind not in _KINDS:
+                    raise ValueError
+                found[name] = np.frombuffer(base64.b64decode(data), kind).reshape(shape).copy()
+        except (AttributeError, TypeError, ValueError):
+            raise ControllerError(f"it answered {in_words(value)}; expected arrays by name") from None
+        return found
+
     def _say(self, message: Mapping[str, Any], when: str, more: bytes = b"") -> None:
         """Send a line, and bytes after it; a submission that does not read must not hold up the grading."""
         if self._rest or _is_ready(self._process.answers):
@@ -185,7 +202,7 @@ class Remote:
             raise ControllerError("it answered before it was asked")
         raise self._ended("before it was asked")
 
-    def _answer(self, when: str) -> tuple[str, Any]:
+    def _answer(self, when: str, longest: int = _LONGEST) -> tuple[str, Any]:
         pipe = self._process.answers
         while b"\n" not in self._rest:
             begun = time.monotonic()
@@ -197,7 +214,7 @@ class Remote:
             if not more:
                 raise self._ended(when)
             self._rest += more
-            if len(self._rest) > _LONGEST:
+            if len(self._rest) > longest:
                 raise ControllerError(f"it answered with more than a command ({when})")
         line, _, self._rest = self._rest.partition(b"\n")
         try:
@@ -253,6 +270,10 @@ class SubmittedEstimator(Estimator):
         }
         pose, covariance = self.remote.estimate(read, command[0], float(elapsed[0, 0]))
         return Estimate(pose[None], covariance[None])
+
+    def beliefs(self, state: State) -> Beliefs:
+        """What it believes besides the pose, asked for now."""
+        return {name: array[None] for name, array in self.remote.beliefs().items()}
 
 
 def _said(readings: Mapping[str, RobotReading]) -> dict[str, Any]:

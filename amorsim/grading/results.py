@@ -108,8 +108,7 @@ def page_of(rubric: Rubric, found: Grade) -> Page:
                 f"{each.measured.name}{f' [{unit}]' if (unit := each.measured.metric.unit) else ''}",
                 f"{found.points_for(each.measured.name):.3g}",
                 f"{each.points:g}",
-                f"{each.none:g}",
-                f"{each.full:g}",
+                *each.in_words,
             ]
             for each in rubric.criteria
         ],

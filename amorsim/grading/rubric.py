@@ -28,18 +28,28 @@ _KEYS = (
 
 @attrs.frozen(kw_only=True)
 class Criterion:
-    """A metric and its points: none at the value `none`, all at `full`, in proportion between."""
+    """A metric and its points: none at the value `none`, all at `full`, in proportion between.
+
+    Of two values each, the first are for what is too small, and the second for what is too large.
+    """
 
     measured: Measured
     points: float
-    none: float
-    full: float
+    none: tuple[float, ...]
+    full: tuple[float, ...]
+
+    @property
+    def in_words(self) -> tuple[str, str]:
+        """The values that earn no points, and those that earn all."""
+        none, full = ([f"{value:g}" for value in values] for values in (self.none, self.full))
+        return " and ".join(none), " to ".join(full)
 
     def share(self, value: float) -> float:
         """The share of the points that a value earns; none for nan."""
         if value != value:
             return 0.0
-        return min(1.0, max(0.0, (value - self.none) / (self.full - self.none)))
+        shares = [(value - none) / (full - none) for none, full in zip(self.none, self.full, strict=True)]
+        return min(1.0, max(0.0, min(shares)))
 
 
 @attrs.frozen(kw_only=True)
@@ -170,22 +180,42 @@ def _criteria(node: Node) -> list[Criterion]:
         measured = read_metric(name, child, default_registry(), beside=("points", "none", "full"))
         if measured is None:
             continue
-        values = []
-        for key, default in (("points", 1.0), ("none", 0.0), ("full", 1.0)):
-            value = child.value.get(key, default)
-            if not is_number(value, below=_FAR):
-                child.child(key).fault(f"expected a number, got {shown(value)}")
-                value = default
-            values.append(float(value))
-        if values[0] < 0.0:
+        points = child.value.get("points", 1.0)
+        if not is_number(points, below=_FAR):
+            child.child("points").fault(f"expected a number, got {shown(points)}")
+            points = 1.0
+        if points < 0.0:
             child.child("points").fault(
-                f"expected 0 or more, got {values[0]:g}: a run that fails would have more; give the points for what is "
+                f"expected 0 or more, got {points:g}: a run that fails would have more; give the points for what is "
                 "good; none and full say which values are good"
             )
-        if values[1] == values[2]:
-            child.child("full").fault("expected another value than for none, for the points lie between them")
+        none, full = (_bounds(child, key, default) for key, default in (("none", 0.0), ("full", 1.0)))
+        if not _fit(none, full):
+            child.child("full").fault(
+                "expected another value than for none, for the points lie between them"
+                if len(none) == len(full) == 1
+                else "expected two values as for none, and between them, as in none = [0, 10], full = [1, 5]"
+            )
             continue
-        found.append(Criterion(measured=measured, points=values[0], none=values[1], full=values[2]))
+        found.append(Criterion(measured=measured, points=float(points), none=none, full=full))
     if not node.value:
         node.fault("expected one criterion at least, got none")
     return found
+
+
+def _bounds(child: Node, key: str, default: float) -> tuple[float, ...]:
+    """The value of `none` or `full`, or both of them."""
+    value = child.value.get(key, default)
+    values = value if isinstance(value, list) and len(value) == 2 else [value]
+    for each in values:
+        if not is_number(each, below=_FAR):
+            child.child(key).fault(f"expected a number, or two in a list, got {shown(value)}")
+            return (default,)
+    return tuple(map(float, values))
+
+
+def _fit(none: tuple[float, ...], full: tuple[float, ...]) -> bool:
+    """Whether there is something between the values that earn nothing and those that earn all."""
+    if len(none) != len(full):
+        return False
+    return none != full if len(none) == 1 else none[0] < full[0] <= full[1] < none[1]

@@ -86,10 +86,16 @@ def _metrics(registry: Registry, beside: Schema, *, files: bool) -> Schema:
 
 def rubric_schema(registry: Registry) -> Schema:
     """The schema of a rubric for `amorsim grade`."""
+    pair = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
+    bound: Schema = {"anyOf": [{"type": "number"}, pair]}
     earned = {
         "points": {"type": "number", "minimum": 0, "default": 1.0, "description": "for a value that earns them all"},
-        "none": {"type": "number", "default": 0.0, "description": "the value that earns no points"},
-        "full": {"type": "number", "default": 1.0, "description": "the value that earns all points"},
+        "none": {
+            **bound,
+            "default": 0.0,
+            "description": "the value that earns no points; or two: too small, too large",
+        },
+        "full": {**bound, "default": 1.0, "description": "the value that earns all points; or the least and the most"},
     }
     positive: Schema = {"type": "number", "exclusiveMinimum": 0}
     return {

@@ -8,6 +8,7 @@ import pytest
 
 import amorsim as am
 from amorsim.grading.grade import grade
+from amorsim.grading.rubric import read_rubric
 from amorsim.grading.seeds import Seed, draw_seeds, read_seeds, write_seeds
 from tests.grading.courses import GOOD, RUBRIC, fence_problem, graded, make_course
 
@@ -24,7 +25,10 @@ def course(tmp_path: Path) -> Path:
         ("points = 6.0", "points = 'six'", "expected a number, got 'six'"),
         ("points = 6.0", "points = inf", "expected a number, got inf"),
         ("points = 6.0", "points = -6.0", "expected 0 or more, got -6"),
-        ("full = 0.0", "full = nan", "expected a number, got nan"),
+        ("full = 0.0", "full = nan", "expected a number, or two in a list, got nan"),
+        ("full = 0.0", "full = [0.0, 'two']", "expected a number, or two in a list, got"),
+        ("full = 0.0", "full = [0.0, 0.5]", "expected two values as for none, and between them"),
+        ("none = 1.0, full = 0.0", "none = [0, 3], full = [2, 1]", "expected two values as for none, and between them"),
         ("full = 0.0", "full = 1.0", "expected another value than for none"),
         ("time_limit = 2.0", "time_limit = 0", "time_limit: expected a number > 0"),
         ("time_limit = 2.0", "memory_limit = inf", "memory_limit: expected a number > 0, got inf"),
@@ -50,6 +54,17 @@ def test_a_wrong_rubric_is_reported_before_anybody_is_graded(course: Path, old: 
     with pytest.raises(am.StudyError, match=words):
         graded(course, fence=False, good=GOOD)
     assert not (course.parent / "grades").exists()
+
+
+@pytest.mark.parametrize(
+    ("value", "share"),
+    [(0.0, 0.0), (0.5, 0.0), (0.75, 0.5), (1.0, 1.0), (4.0, 1.0), (7.0, 0.5), (10.0, 0.0), (11.0, 0.0)],
+)
+def test_what_is_too_small_earns_as_little_as_what_is_too_large(course: Path, value: float, share: float) -> None:
+    course.write_text(RUBRIC.replace("none = 1.0, full = 0.0", "none = [0.5, 10], full = [1, 4]"))
+    criterion = read_rubric(course).criteria[-1]
+    assert criterion.share(value) == share
+    assert criterion.share(float("nan")) == 0.0
 
 
 def test_all_that_is_missing_is_reported_at_once(course: Path, monkeypatch: pytest.MonkeyPatch) -> None:
