@@ -23,7 +23,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 from tests.ui.windows import CHROMIUM, FLAGS, Server, Window  # noqa: E402 - beside us, not installed
 
-__all__ = ["make"]
+__all__ = ["make", "save"]
 
 PICTURES = ROOT / "docs" / "pictures"
 WIDTH, HEIGHT = 1366, 768
@@ -39,7 +39,7 @@ def make(folder: Path) -> None:
             shutil.copy(Path(amorsim.__file__).parent / "scenarios" / name, work)
         browser = playwright.chromium.launch(executable_path=str(CHROMIUM), args=FLAGS)
         try:
-            for scenario, pictures in (("demo", (drift, overlay, past)), ("find-the-way", (intended,))):
+            for scenario, pictures in (("demo", (drift, lecture, overlay, past)), ("find-the-way", (intended,))):
                 server = Server(Path(work) / f"{scenario}.toml")
                 try:
                     page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
@@ -48,7 +48,7 @@ def make(folder: Path) -> None:
                         picture(window)
                         page.mouse.move(WIDTH - 5, 5)
                         page.wait_for_timeout(400)
-                        _save(page.screenshot(), folder / f"simulator-{picture.__name__}.png")
+                        save(page.screenshot(), folder / f"simulator-{picture.__name__}.png")
                     page.close()
                 finally:
                     server.close()
@@ -62,8 +62,16 @@ def drift(window: Window) -> None:
     window.see("numbers.choose('apart')")
 
 
+def lecture(window: Window) -> None:
+    """The same, large, for a class."""
+    window.page.set_viewport_size({"width": 1280, "height": 720})
+    window.page.keyboard.press("c")
+
+
 def overlay(window: Window) -> None:
     """One pane, dark: a left wheel five per cent too large, ten seconds later."""
+    window.page.keyboard.press("c")
+    window.page.set_viewport_size({"width": WIDTH, "height": HEIGHT})
     number = window.field("errors.drive.wheel_radius_left.scale").locator("input[type=text]")
     number.fill("1.05")
     number.press("Enter")
@@ -111,7 +119,8 @@ def _play(window: Window, steps: int) -> None:
     window.do(do="speed", factor=1.0)
 
 
-def _save(data: bytes, target: Path) -> None:
+def save(data: bytes, target: Path) -> None:
+    """Write a picture of a window, as small as it can be without a loss."""
     with Image.open(io.BytesIO(data)) as opened:
         opened.convert("RGB").save(target, optimize=True)  # fewer colours would change what they mean
 

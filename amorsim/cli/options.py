@@ -59,6 +59,7 @@ Host = Annotated[
         help="Address to serve the window on; only this machine can reach the default. Nothing is encrypted.",
     ),
 ]
+Lecture = Annotated[bool, typer.Option("--lecture", help="Open it large, for a class: two panes and a plot.")]
 Opened = Annotated[bool, typer.Option("--open/--no-open", help="Whether to open the window in the browser.")]
 
 

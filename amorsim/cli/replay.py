@@ -9,7 +9,7 @@ import typer
 
 from amorsim.cli.console import complain, say
 from amorsim.cli.films import Force, Gif, GifRate, GifSize, GifSpeed, Mp4, Wanted, in_options
-from amorsim.cli.options import Host, Opened, Port, RunFolder, check_port
+from amorsim.cli.options import Host, Lecture, Opened, Port, RunFolder, check_port
 
 __all__ = ["command"]
 
@@ -19,6 +19,7 @@ def command(
     port: Port = 0,
     host: Host = "127.0.0.1",
     open_: Opened = True,
+    lecture: Lecture = False,
     gif: Gif = None,
     mp4: Mp4 = None,
     gif_size: GifSize = Wanted.SIZE,
@@ -52,7 +53,17 @@ def command(
     check_port(port)
     read_about(folder)  # complains before anything is started
     recipe = Recipe(name=str(folder.resolve()), is_recorded=True)
-    show(recipe, out=None, host=host, port=port, browser=open_, say=say, complain=complain, notice=say)
+    show(
+        recipe,
+        out=None,
+        host=host,
+        port=port,
+        browser=open_,
+        say=say,
+        complain=complain,
+        notice=say,
+        lecture=lecture,
+    )
 
 
 def _film(folder: Path, wanted: Wanted, replica: int | None) -> None:

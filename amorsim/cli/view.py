@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from amorsim.cli.console import compile_once, complain, say
-from amorsim.cli.options import Changes, Duration, Host, Opened, Played, Port, Resolution, Seed, check_port
+from amorsim.cli.options import Changes, Duration, Host, Lecture, Opened, Played, Port, Resolution, Seed, check_port
 
 __all__ = ["command"]
 
@@ -22,6 +22,7 @@ def command(
     port: Port = 0,
     host: Host = "127.0.0.1",
     open_: Opened = True,
+    lecture: Lecture = False,
     seed: Seed = None,
     duration: Duration = None,
     resolution: Resolution = None,
@@ -58,7 +59,16 @@ def command(
     # Kernels that no run has needed yet (a camera's ...) are compiled later, with a message if that takes long.
     notice = None if cold else say
     was_open = show(
-        recipe, out=out, host=host, port=port, browser=open_, say=say, complain=complain, notice=notice, known=known
+        recipe,
+        out=out,
+        host=host,
+        port=port,
+        browser=open_,
+        say=say,
+        complain=complain,
+        notice=notice,
+        known=known,
+        lecture=lecture,
     )
     if not was_open:
         raise typer.Exit(2)

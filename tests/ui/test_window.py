@@ -509,6 +509,45 @@ def test_axe_finds_nothing(window: Window, theme: str) -> None:
 
 
 @pytest.mark.long
+@pytest.mark.parametrize("size", [(1280, 720), (3840, 2160), (390, 844)])
+def test_a_class_sees_two_panes_and_a_plot_large(window: Window, size: tuple[int, int]) -> None:
+    page = window.page
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+    thin = window.see("stage.robot.ratio")
+    page.keyboard.press("c")
+    window.until("isLecture")
+    assert window.see("stage.robot.ratio") == pytest.approx(1.8 * thin)
+    for name in ("robot", "control", "plot"):
+        box = page.locator(f".panel.{name}").bounding_box()
+        assert box["x"] >= 0.0
+        assert box["x"] + box["width"] <= size[0]
+        assert box["y"] + box["height"] <= size[1]
+    for name in ("errors", "numbers", "events"):
+        expect(page.locator(f".panel.{name}")).to_be_hidden()
+    sizes = page.evaluate(
+        "[...document.querySelectorAll('.head h2, .bar .now')].map(one => getComputedStyle(one).fontSize)"
+    )
+    assert {float(each.removesuffix("px")) >= 20.0 for each in sizes} == {True}
+    # A click still finds what is drawn under it.
+    box = page.locator("#pane-robot").bounding_box()
+    left, top = window.see("stage.camera.toScreen(2.0, 4.0)")
+    page.mouse.click(box["x"] + 1.8 * left, box["y"] + 1.8 * top)
+    expect(page.locator(".card")).to_contain_text("rover")
+    assert axe_violations(page) == []
+    page.keyboard.press("c")
+    expect(page.locator(".panel.numbers")).to_be_visible()
+    assert window.see("stage.robot.ratio") == thin
+
+
+@pytest.mark.long
+def test_an_address_may_open_it_large(window: Window) -> None:
+    address = window.page.url
+    window.page.goto("about:blank")
+    window.page.goto(f"{address}#lecture")
+    window.until("isLecture")
+
+
+@pytest.mark.long
 def test_all_is_in_sight_at_1366_by_768(window: Window) -> None:
     for scene in ("plain", "past"):
         outside = window.page.evaluate(

@@ -23,9 +23,12 @@ class LaunchUrl:
         Whether to open the window in the browser.
     say, complain
         Called with the addresses, and with warnings.
+    fragment
+        What each address ends with, such as ``"#lecture"``; the page reads it.
     """
 
-    def __init__(self, *, browser: bool, say: Say, complain: Say) -> None:
+    def __init__(self, *, browser: bool, say: Say, complain: Say, fragment: str = "") -> None:
+        self._fragment = fragment
         self._browser, self._say, self._complain = browser, say, complain
         self._opening: list[OpeningPage] = []
 
@@ -37,10 +40,10 @@ class LaunchUrl:
                 f"window and take it over. Where you do not trust the network, leave the host out and forward the port "
                 f"by ssh -L"
             )
-        self._say(door.new_address(used=lambda: self._invite(door)))
+        self._say(door.new_address(used=lambda: self._invite(door)) + self._fragment)
         if self._browser:
             try:
-                self._opening.append(OpeningPage(door.new_address(used=self.forget)))
+                self._opening.append(OpeningPage(door.new_address(used=self.forget) + self._fragment))
             except AmorsimError as error:
                 self._complain(str(error))
             else:
@@ -49,7 +52,7 @@ class LaunchUrl:
     def _invite(self, door: Door) -> None:
         """Print where another browser gets in, once the address that was printed last has been used."""
         with contextlib.suppress(OSError):  # nobody reads the output any more
-            self._say(f"for another browser: {door.new_address(used=lambda: self._invite(door))}")
+            self._say(f"for another browser: {door.new_address(used=lambda: self._invite(door))}{self._fragment}")
 
     def forget(self) -> None:
         """Remove the page that leads the browser to the window; may be called again."""

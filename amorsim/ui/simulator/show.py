@@ -64,6 +64,7 @@ def show(
     complain: Say,
     notice: Say | None,
     known: FaultsError | None = None,
+    lecture: bool = False,
 ) -> bool:
     """Serve the window of a simulation until Ctrl-C; returns whether there was a simulation to be seen.
 
@@ -82,6 +83,8 @@ def show(
         Called with the addresses and where the results are, and with warnings.
     known
         Why the scenario cannot be simulated, where that is known already.
+    lecture
+        Whether the window opens large, for a class.
 
     Raises
     ------
@@ -94,7 +97,7 @@ def show(
     pages = Pages()
     shown = _Shown(recipe, pages, out=out, say=say, complain=complain, notice=notice)
     last_word = threading.Lock()  # printed once: here, or by the timer that waits for nothing
-    invitation = LaunchUrl(browser=browser, say=say, complain=complain)
+    invitation = LaunchUrl(browser=browser, say=say, complain=complain, fragment="#lecture" if lecture else "")
 
     def tell() -> None:
         if last_word.acquire(blocking=False) and shown.folder:

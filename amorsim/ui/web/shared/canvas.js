@@ -16,7 +16,8 @@ export class Canvas {
   constructor({ id, label, camera, theme }) {
     this.camera = camera;
     this.theme = theme;
-    this.ratio = 1; // device pixels a CSS pixel
+    this.magnify = 1; // how much larger lines, type and marks are drawn; pixels here are as many of the page's
+    this.ratio = 1; // device pixels a pixel of ours
     /** @type {import("./layer.js").Layer[]} */
     this.layers = []; // the lowest first
     /** @type {Bitmap[]} */
@@ -52,10 +53,10 @@ export class Canvas {
     this.showCursor();
   }
 
-  /** Fit the canvas to its element; returns its width and height in CSS pixels. */
+  /** Fit the canvas to its element; returns its width and height in pixels. */
   resize() {
-    this.ratio = globalThis.devicePixelRatio || 1;
-    const { clientWidth, clientHeight } = this.element;
+    this.ratio = (globalThis.devicePixelRatio || 1) * this.magnify;
+    const [clientWidth, clientHeight] = [this.element.clientWidth / this.magnify, this.element.clientHeight / this.magnify];
     const [width, height] = [Math.round(clientWidth * this.ratio), Math.round(clientHeight * this.ratio)];
     if (this.canvas.width !== width || this.canvas.height !== height) {
       this.canvas.width = width;
@@ -133,7 +134,7 @@ export class Canvas {
    * @returns {import("./tool.js").Place} */
   placeOf(event) {
     const box = this.canvas.getBoundingClientRect();
-    const [left, top] = [event.clientX - box.left, event.clientY - box.top];
+    const [left, top] = [(event.clientX - box.left) / this.magnify, (event.clientY - box.top) / this.magnify];
     const [x, y] = this.camera.toWorld(left, top);
     return { x, y, left, top };
   }

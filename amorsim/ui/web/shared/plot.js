@@ -5,7 +5,6 @@ import uPlot from "../vendor/uplot/uPlot.esm.js";
 import { clock, fixed, h, niceStep, say } from "./dom.js";
 import { DASHES } from "./theme.js";
 
-const FONT = "11px system-ui, sans-serif";
 const LEFT = 52; // pixels of the axis of values
 const LEAST_DRAG = 5; // pixels
 
@@ -30,6 +29,7 @@ export class Plot {
     /** @type {unknown[]} */
     this.made = []; // what the present one was made of
     this.range = [0, 1];
+    this.magnify = 1; // how much larger lines and type are
     this.marked = NaN; // a moment of the past
     /** @type {Curves | null} */
     this.curves = null; // what is drawn, and how
@@ -53,7 +53,7 @@ export class Plot {
     [this.curves, this.look] = [curves, look];
     const { clientWidth: width, clientHeight: height } = this.element;
     if (width < 2 * LEFT || height < 48) return;
-    const made = [look.theme, look.unit, ...curves.curves];
+    const made = [look.theme, look.unit, this.magnify, ...curves.curves];
     if (!this.chart || made.length !== this.made.length || made.some((part, n) => part !== this.made[n])) {
       this.chart?.destroy();
       this.made = made;
@@ -82,7 +82,8 @@ export class Plot {
    * @param {number} height
    */
   make(curves, { theme, unit }, width, height) {
-    const quiet = { stroke: theme.soft, font: FONT, ticks: { show: false } };
+    const large = this.magnify;
+    const quiet = { stroke: theme.soft, font: `${11 * large}px system-ui, sans-serif`, ticks: { show: false } };
     return new uPlot(
       {
         width,
@@ -97,13 +98,13 @@ export class Plot {
         },
         scales: { x: { time: false, auto: false }, y: { auto: false, range: () => /** @type {[number, number]} */ (this.range) } },
         axes: [
-          { ...quiet, size: 22, gap: 4, grid: { show: false }, space: 70, values: (_, times) => times.map((time) => timeOf(time, times)) },
+          { ...quiet, size: 22 * large, gap: 4, grid: { show: false }, space: 70 * large, values: (_, times) => times.map((time) => timeOf(time, times)) },
           {
             ...quiet,
-            size: LEFT,
+            size: LEFT * large,
             gap: 6,
             grid: { stroke: theme.line, width: 1 },
-            splits: (_, __, low, high) => linesBetween(low, high, height),
+            splits: (_, __, low, high) => linesBetween(low, high, height / large),
             values: (_, lines) => lines.map((value) => fixed(value, decimalsOf(lines))),
           },
         ],
@@ -111,8 +112,8 @@ export class Plot {
           {},
           ...curves.curves.map((kind) => ({
             stroke: theme[kind] ?? theme.ink,
-            width: 1.5,
-            dash: (DASHES[kind] ?? []).map((/** @type {number} */ part) => part * 0.8),
+            width: 1.5 * large,
+            dash: (DASHES[kind] ?? []).map((/** @type {number} */ part) => part * 0.8 * large),
             points: { show: false },
           })),
         ],
@@ -133,7 +134,7 @@ export class Plot {
    * @param {string} unit */
   mark(chart, theme, unit) {
     const { ctx: context, bbox } = chart;
-    const ratio = uPlot.pxRatio;
+    const ratio = uPlot.pxRatio * this.magnify;
     context.save();
     context.fillStyle = theme.soft;
     context.font = `${11 * ratio}px system-ui, sans-serif`;

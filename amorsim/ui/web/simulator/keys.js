@@ -43,6 +43,7 @@ export function listenToKeys(simulator) {
     n: () => simulator.nextRobot(1),
     p: () => simulator.nextRobot(-1),
     l: () => simulator.toggleTheme(),
+    c: () => simulator.setLecture(!simulator.isLecture),
     "?": () => showKeys(timebar.isRecorded),
     Escape: () => stage.selection.clear(),
   };

@@ -55,6 +55,7 @@ export function build({ stage, timebar, driving, form, replay }) {
       make("page", h("button", { class: "server-only", title: "this run as one file, which plays in any browser without amorsim" }, "page")),
       make("picture", h("button", { title: "a picture of the view" }, "picture")),
       make("film", h("button", { class: "server-only", title: "record the view as a GIF", "aria-pressed": "false" }, "GIF")),
+      make("lecture", h("button", { "aria-pressed": "false", title: "large, for a class (C)" }, "lecture")),
       make("theme", h("button", { class: "icon", "aria-label": "light or dark (L)", title: "light or dark (L)" }, "◐")),
       make("keys", h("button", { class: "icon", "aria-label": "keys (?)", title: "keys (?)" }, "?")),
     ),

@@ -21,6 +21,8 @@ import { Warnings } from "./warnings.js";
 
 const TABLE_EVERY = 90; // milliseconds: faster nobody reads
 const STATE_EVERY = 1000;
+const LECTURE = "#lecture"; // ends the address of a window that is shown to a class
+const LARGE = 1.8; // how much larger its lines and its type are
 
 export class Simulator {
   /** @param {HTMLElement} root
@@ -295,8 +297,9 @@ export class Simulator {
     if (!found) return;
     this.parts.card.replaceChildren(h("strong", {}, found.title), ...found.lines.map((line) => h("div", {}, line)));
     const box = pane.canvas.getBoundingClientRect();
-    this.parts.card.style.left = `${Math.min(box.left + left + 14, innerWidth - 330)}px`;
-    this.parts.card.style.top = `${Math.min(box.top + top + 14, innerHeight - 150)}px`;
+    const { magnify } = pane;
+    this.parts.card.style.left = `${Math.min(box.left + left * magnify + 14, innerWidth - 330)}px`;
+    this.parts.card.style.top = `${Math.min(box.top + top * magnify + 14, innerHeight - 150)}px`;
     if (found.robot !== undefined && found.robot !== this.selected) this.ask({ do: "select", robot: found.robot });
   }
 
@@ -368,6 +371,21 @@ export class Simulator {
     say(this.parts.controls, words);
   }
 
+  get isLecture() {
+    return this.root.classList.contains("lecture");
+  }
+
+  /** Two panes and a plot, large, for a class to see from the last row. */
+  setLecture(isOn) {
+    this.root.classList.toggle("lecture", isOn);
+    this.parts.lecture.setAttribute("aria-pressed", String(isOn));
+    const { robot, control } = this.stage;
+    robot.magnify = control.magnify = isOn ? LARGE : 1;
+    this.numbers.plot.magnify = isOn ? LARGE : 1;
+    this.stage.resize();
+    this.drawNumbers();
+  }
+
   hint(text) {
     say(this.parts.hint, text ?? "");
     clearTimeout(this.hintGone);
@@ -384,6 +402,8 @@ export class Simulator {
     parts.zoom.fit.addEventListener("click", () => stage.fit());
     parts.robot.addEventListener("change", () => this.ask({ do: "select", robot: Number(parts.robot.value) }));
     parts.theme.addEventListener("click", () => this.toggleTheme());
+    parts.lecture.addEventListener("click", () => this.setLecture(!this.isLecture));
+    if (location.hash === LECTURE) this.setLecture(true);
     parts.keys.addEventListener("click", () => showKeys(this.timebar.isRecorded));
     parts.asInFile.addEventListener("click", () => this.restoreAll());
     parts.controls.addEventListener("click", () => this.askControls());
