@@ -12,7 +12,7 @@ from amorsim.core.errors import AmorsimError
 if importlib.util.find_spec("gymnasium") is None:
     raise AmorsimError('environments for learners need the extra "learn": python -m pip install "amorsim[learn]"')
 
-from amorsim.learning.registration import TASKS, make, make_vec, register_all
+from amorsim.learning.registration import TASKS, make, make_parallel, make_vec, register_all
 from amorsim.learning.single import SimulationEnv
 from amorsim.learning.vector import SimulationVectorEnv
 
@@ -21,6 +21,7 @@ __all__ = [
     "SimulationEnv",
     "SimulationVectorEnv",
     "make",
+    "make_parallel",
     "make_vec",
 ]
 

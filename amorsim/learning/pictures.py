@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
@@ -11,7 +13,9 @@ from amorsim.render.animation import Animation, Shown
 from amorsim.runs.film import bodies_in, poses_in
 from amorsim.simulation.simulation import Simulation
 
-__all__ = ["Pictures"]
+__all__ = ["Pictures", "goals_in"]
+
+Array = npt.NDArray[np.float64]
 
 _GOAL = Shown(outline=Shape.circle(0.12).outline, is_robot=False, colour="#d95f02")
 
@@ -33,20 +37,23 @@ class Pictures:
         self._bodies = bodies_in(simulation)
         self._drawn: dict[int, tuple[int, Animation]] = {}  # by row: the episode and its frames
 
-    def draw(self, row: int, episode: State) -> npt.NDArray[np.uint8]:
-        """The picture `(height, width, 3)` of an environment."""
+    def draw(self, row: int, goals: Array) -> npt.NDArray[np.uint8]:
+        """The picture `(height, width, 3)` of an environment with its goals `(G, 2)` [m]."""
         simulation = self._simulation
         number = int(simulation.episodes[row])
         if self._drawn.get(row, (-1,))[0] != number:
             world = simulation.map_of(simulation.replicas[row])
-            bodies = [*self._bodies, _GOAL] if "goal" in episode else self._bodies
+            bodies = [*self._bodies, *([_GOAL] * len(goals))]
             self._drawn[row] = (
                 number,
                 Animation(world, bodies, patches=simulation.scenario.floor.patches, size=self._size),
             )
         animation = self._drawn[row][1]
-        poses = poses_in(simulation, row)
-        if "goal" in episode:
-            poses = np.concatenate((poses, [[*episode["goal"][row, :2], 0.0]]))
+        poses = np.concatenate((poses_in(simulation, row), np.column_stack((goals, np.zeros(len(goals))))))
         animation.add(float(simulation.ticks[row]) * simulation.dt, poses)
         return np.asarray(animation.frame(len(animation) - 1))
+
+
+def goals_in(episode: State, rows: Any) -> Array:
+    """The goals `(G, 2)` [m] of some rows of a task; none where it has none."""
+    return np.array(episode["goal"][rows][:, :2]) if "goal" in episode else np.empty((0, 2))

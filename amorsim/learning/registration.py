@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import attrs
 import gymnasium as gym
 
 from amorsim.contracts import Task
+from amorsim.core.errors import AmorsimError
 from amorsim.core.unknown_names import no_such
 from amorsim.learning.single import SimulationEnv
 from amorsim.learning.vector import SimulationVectorEnv
 from amorsim.scenario.reading.read import load
 from amorsim.scenario.spec import Scenario
 
-__all__ = ["TASKS", "make", "make_vec", "register_all"]
+if TYPE_CHECKING:
+    from amorsim.learning.parallel import SimulationParallelEnv
+
+__all__ = ["TASKS", "make", "make_parallel", "make_vec", "register_all"]
 
 _SCENARIOS = Path(__file__).parent / "scenarios"
 
@@ -29,6 +34,8 @@ TASKS = {
     "amorsim/Doors-v0": "doors.toml",
 }
 """The scenario of each, by the name that Gymnasium has for it."""
+
+_OF_MANY = {"amorsim/Crossing-v0": "crossing.toml"}
 
 
 def register_all() -> None:
@@ -95,22 +102,52 @@ def make(
     return SimulationEnv(*_chosen(what, task, parameters), privileged=privileged, dtype=dtype, render_mode=render_mode)
 
 
+def make_parallel(
+    what: str | os.PathLike[str] | Scenario,
+    *,
+    task: Task | None = None,
+    dtype: str = "float32",
+    render_mode: str | None = None,
+    **parameters: Any,
+) -> SimulationParallelEnv:
+    """The robots of one world as PettingZoo's agents; as `make`, of a scenario whose robots are alike.
+
+    ::
+
+        env = make_parallel("amorsim/Crossing-v0")
+        seen, infos = env.reset(seed=1)
+        while env.agents:
+            actions = {agent: env.action_space(agent).sample() for agent in env.agents}
+            seen, rewards, terminations, truncations, infos = env.step(actions)
+
+    Raises
+    ------
+    AmorsimError
+        If PettingZoo is not installed, or the robots are not alike.
+    """
+    if importlib.util.find_spec("pettingzoo") is None:
+        raise AmorsimError('agents of one world need the extra "learn": python -m pip install "amorsim[learn]"')
+    from amorsim.learning.parallel import SimulationParallelEnv
+
+    return SimulationParallelEnv(*_chosen(what, task, parameters), dtype=dtype, render_mode=render_mode)
+
+
 def _chosen(
     what: str | os.PathLike[str] | Scenario, task: Task | None, parameters: dict[str, Any]
 ) -> tuple[Scenario, Task]:
     if isinstance(what, Scenario):
         scenario = what
-    elif str(what) in TASKS:
-        scenario = load(_SCENARIOS / TASKS[str(what)])
+    elif str(what) in (known := TASKS | _OF_MANY):
+        scenario = load(_SCENARIOS / known[str(what)])
     elif str(what).startswith("amorsim/"):
-        raise ValueError(no_such("task", str(what), list(TASKS)))
+        raise ValueError(no_such("task", str(what), list(known)))
     else:
         scenario = load(what)
     chosen = scenario.task if task is None else task
     if chosen is None:
         raise ValueError(f"{what}: expected a scenario with [task], or a task beside it")
-    known = [field.name for field in attrs.fields(type(chosen))]
+    fields = [field.name for field in attrs.fields(type(chosen))]
     for name in parameters:
-        if name not in known:
-            raise TypeError(no_such("parameter", name, known))
+        if name not in fields:
+            raise TypeError(no_such("parameter", name, fields))
     return scenario, attrs.evolve(chosen, **parameters)

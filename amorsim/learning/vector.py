@@ -16,19 +16,19 @@ from amorsim.contracts import Draws, Observable, RobotModel, State, StepOutcome,
 from amorsim.controllers.manual import Manual
 from amorsim.core.draws import stream_key
 from amorsim.core.errors import AmorsimError
-from amorsim.learning.pictures import Pictures
+from amorsim.learning.pictures import Pictures, goals_in
 from amorsim.scenario.spec import Scenario
 from amorsim.simulation.simulation import MAX_REPLICA, Simulation
 
-__all__ = ["RENDER_MODES", "SimulationVectorEnv"]
+__all__ = ["RENDER_MODES", "SIZE", "STUDY", "SimulationVectorEnv", "whole_steps"]
 
 Array = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 
 RENDER_MODES = ["rgb_array"]
-_SIZE = 480  # [px] the longer side of a picture
+SIZE = 480  # [px] the longer side of a picture
 _LARGE = 1e6  # no true quantity is larger
-_STUDY = 0
+STUDY = 0
 """The seed of every simulation here. An environment's own seed is the number of its replica."""
 
 
@@ -99,8 +99,8 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
         self._robot_name = scenario.robots[0].name
         hand = Manual()
         self._scenario = attrs.evolve(scenario, robots=[attrs.evolve(scenario.robots[0], controller=hand)])
-        self._steps_per_action = _whole(task.period, scenario.dt, "period")
-        self._horizon = _whole(task.horizon, task.period, "horizon")
+        self._steps_per_action = whole_steps(task.period, scenario.dt, "period")
+        self._horizon = whole_steps(task.horizon, task.period, "horizon")
         self._dtype = np.dtype(dtype)
         self._is_privileged = privileged
         self._begin_first(range(num_envs))  # for the spaces
@@ -110,7 +110,7 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
         self._is_over = np.zeros(num_envs, dtype=bool)
 
     def _simulate(self, seeds: Sequence[int]) -> Simulation:
-        return Simulation(self._scenario, seed=_STUDY, replicas=list(seeds), threads=self._threads)
+        return Simulation(self._scenario, seed=STUDY, replicas=list(seeds), threads=self._threads)
 
     def _make_spaces(self) -> None:
         low, high = (bound.astype(self._dtype) for bound in self.task.action_bounds)
@@ -207,7 +207,7 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
         counter = np.zeros((len(rows), 3), dtype=np.uint32)
         counter[:, 0] = np.array(self.simulation.replicas, dtype=np.uint32)[rows]
         counter[:, 1] = self.simulation.episodes[rows]
-        return Draws(np.full(len(rows), stream_key(_STUDY, "task"), dtype=np.uint64), counter)
+        return Draws(np.full(len(rows), stream_key(STUDY, "task"), dtype=np.uint64), counter)
 
     # ------------------------------------------------------------------------------------------------------------ step
 
@@ -267,8 +267,8 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
         if not self._is_begun:
             raise ValueError("expected reset() before the first picture")
         if self._pictures is None:
-            self._pictures = Pictures(self.simulation, _SIZE)
-        return tuple(self._pictures.draw(row, self._episode) for row in range(self.num_envs))
+            self._pictures = Pictures(self.simulation, SIZE)
+        return tuple(self._pictures.draw(row, goals_in(self._episode, [row])) for row in range(self.num_envs))
 
     @property
     def _robot(self) -> RobotModel:
@@ -316,7 +316,8 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
         }
 
 
-def _whole(time: float, step: float, name: str) -> int:
+def whole_steps(time: float, step: float, name: str) -> int:
+    """How many steps [s] a time [s] has; raises `AmorsimError` if they are not a whole number."""
     count = round(time / step)
     if count < 1 or abs(count * step - time) > 1e-9 * time:
         raise AmorsimError(f"{name}: expected a whole number of steps of {step:g} s, got {time:g} s")

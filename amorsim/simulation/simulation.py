@@ -326,19 +326,25 @@ class Simulation:
         return Readings(self._fleet.groups[0])
 
     @checked
-    def known(self, name: str) -> Known:
+    def known(self, name: str | Sequence[str]) -> Known:
         """What a robot knows, a row for each replica: as its controller is given it. Read it again after a step.
+
+        Of several robots that are alike, give the names of all, in the order of the rows: those of a frame's `names`.
 
         Raises
         ------
         AmorsimError
             If there is no such robot, or others of the same model, whose rows lie between its own.
         """
-        if name not in self.names:
-            raise AmorsimError(no_such("robot", name, self.names))
-        group = next(group for group in self._fleet.groups if name in group.names)
-        if group.rows != len(self.replicas):
+        names = [name] if isinstance(name, str) else list(name)
+        for one in names:
+            if one not in self.names:
+                raise AmorsimError(no_such("robot", one, self.names))
+        group = next(group for group in self._fleet.groups if names[0] in group.names)
+        if isinstance(name, str) and group.rows != len(self.replicas):
             raise AmorsimError(f"robot {name!r}: others are of the same model; take robot(name, replica) of each")
+        if not isinstance(name, str) and group.names != names:
+            raise AmorsimError(f"robots {', '.join(names)}: expected all that are alike, row by row, as in a frame")
         return Known(group.robot, group.readings, group.estimate)
 
     @property

@@ -1,0 +1,121 @@
+"""The robots of one world as agents: PettingZoo's rules, and for one robot the bits of Gymnasium's environment."""
+
+from __future__ import annotations
+
+import importlib.util
+import warnings
+from typing import Any
+
+import attrs
+import numpy as np
+import pytest
+
+pytest.importorskip("gymnasium", reason="the extra 'learn' is not installed")
+pytest.importorskip("pettingzoo", reason="the extra 'learn' is not installed")
+
+from pettingzoo.test import parallel_api_test, parallel_seed_test
+
+import amorsim as am
+from amorsim.learning import make, make_parallel
+from amorsim.tasks import PointGoal
+from tests import building
+from tests.learning.test_vector import small
+
+TASK = PointGoal(horizon=2.0, distance=(0.5, 1.5), clearance=0.3)
+
+
+def crowd(count: int = 3, **changes: Any) -> am.Scenario:
+    """Some of the robots of `small`."""
+    robot = small(**changes).robots[0]
+    return building.scenario(*(attrs.evolve(robot, name=f"r{number}") for number in range(count)))
+
+
+def env(count: int = 3, **given: Any) -> Any:
+    return make_parallel(crowd(count), task=TASK, **given)
+
+
+def test_it_passes_pettingzoos_tests_without_a_warning() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        parallel_api_test(env(), num_cycles=100)
+        parallel_seed_test(env, num_cycles=30)
+
+
+def test_crossing_is_found_by_name() -> None:
+    crossing = make_parallel("amorsim/Crossing-v0", horizon=1.0)
+    assert len(crossing.possible_agents) == 8
+    parallel_api_test(crossing, num_cycles=12)
+
+
+def test_one_agent_has_the_bits_of_a_single_environment() -> None:
+    one, single = env(1, dtype="float64"), make(crowd(1), task=TASK, dtype="float64")
+    random = np.random.default_rng(3)
+    for seed in (7, None):
+        seen, _ = one.reset(seed=seed)
+        wanted, _ = single.reset(seed=seed)
+        while one.agents:
+            assert seen["r0"].tobytes() == wanted.tobytes()
+            action = random.uniform(-1.0, 1.0, 2)
+            seen, rewards, terminated, truncated, infos = one.step({"r0": action})
+            wanted, reward, is_terminated, is_truncated, info = single.step(action)
+            assert (rewards["r0"], terminated["r0"], truncated["r0"]) == (reward, is_terminated, is_truncated)
+        assert infos["r0"]["is_success"] == info["is_success"]
+
+
+def test_an_agent_whose_episode_is_over_stands_in_the_way_of_the_others() -> None:
+    agents = make_parallel(crowd(2), task=PointGoal(horizon=4.0, distance=(0.5, 3.0), tolerance=0.3))
+    for seed in range(40):
+        agents.reset(seed=seed)
+        while len(agents.agents) == 2:
+            before = agents.simulation.true_pose.copy()
+            agents.step({agent: np.array([1.0, 0.3]) for agent in agents.agents})
+        if len(agents.agents) == 1:
+            break
+    (left,) = agents.agents
+    gone = ({"r0", "r1"} - {left}).pop()
+    place = agents.simulation.names.index(gone)
+    agents.step({left: np.array([1.0, 0.0])})
+    before = agents.simulation.true_pose[place].copy()
+    seen, *_ = agents.step({left: np.array([1.0, 0.0])})
+    assert list(seen) == [left]
+    assert (agents.simulation.true_pose[place] == before).all()
+
+
+def test_what_is_wrong_is_said() -> None:
+    others = building.scenario(crowd(1).robots[0], building.robot(name="other"))
+    with pytest.raises(am.AmorsimError, match="alike"):
+        make_parallel(others, task=TASK)
+    agents = env()
+    agents.reset(seed=1)
+    with pytest.raises(ValueError, match="r1: expected finite numbers"):
+        agents.step({"r0": np.zeros(2), "r2": np.zeros(2)})
+    with pytest.raises(ValueError, match="seed"):
+        agents.reset(seed=-1)
+    with pytest.raises(am.AmorsimError, match="render_mode"):
+        env(render_mode="human")
+    with pytest.raises(am.AmorsimError, match="row by row"):
+        agents.simulation.known(["r1", "r0", "r2"])
+
+
+def test_a_picture_has_all_robots_and_their_goals() -> None:
+    agents = env(render_mode="rgb_array")
+    agents.reset(seed=1)
+    picture = agents.render()
+    assert picture.dtype == np.uint8
+    assert picture.shape[2] == 3
+    orange = (np.abs(picture.astype(int) - (0xD9, 0x5F, 0x02)) < 30).all(axis=2)
+    assert orange.any()
+    assert env().render() is None
+
+
+def test_a_critic_sees_what_is_true() -> None:
+    agents = env()
+    agents.reset(seed=1)
+    assert agents.state().shape == (18,)
+    assert np.isin(agents.simulation.true_pose.astype(np.float32), agents.state()).all()
+
+
+def test_without_pettingzoo_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    with pytest.raises(am.AmorsimError, match="amorsim\\[learn\\]"):
+        make_parallel("amorsim/Crossing-v0")
