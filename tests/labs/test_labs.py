@@ -25,6 +25,13 @@ EARNED = {
         "one_way": (2.0, 5.0),
         "cheating": (0.0, 0.5),
     },
+    "02-the-banana": {
+        "banana": (0.0, 0.0),
+        "good": (9.0, 10.0),
+        "not_carried": (4.5, 5.0),
+        "one_draw": (4.5, 5.0),
+        "cheating": (0.0, 0.0),
+    },
     "03-sensors": {"heading": (0.0, 0.5), "good": (9.0, 10.0), "bias_alone": (0.5, 4.0), "cheating": (0.0, 0.5)},
     "04-wall-following": {"follow": (0.0, 6.0), "good": (9.0, 10.0), "swinging": (6.5, 7.5), "cheating": (0.0, 3.0)},
     "05-gyro-and-compass": {
@@ -47,6 +54,13 @@ EARNED = {
         "sharp": (0.0, 6.0),
         "cheating": (0.0, 0.0),
     },
+    "08-occupancy-grids": {
+        "grid": (0.0, 0.0),
+        "good": (9.0, 10.0),
+        "ends_alone": (1.0, 7.0),
+        "by_wheels": (0.0, 3.0),
+        "cheating": (0.0, 2.0),
+    },
     "09-scan-matching": {
         "matcher": (0.0, 1.5),
         "good": (9.0, 10.0),
@@ -59,13 +73,23 @@ EARNED = {
         "unwrapped": (0.0, 3.0),
         "cheating": (0.0, 1.0),
     },
+    "11-planning": {
+        "plan": (0.0, 0.0),
+        "good": (9.0, 10.0),
+        "greedy": (5.0, 6.5),
+        "four_neighbours": (7.0, 9.0),
+        "point": (0.0, 1.0),
+        "cheating": (0.0, 0.0),
+    },
     "12-avoidance": {"avoid": (0.0, 0.0), "good": (9.0, 10.0), "point": (0.0, 0.0), "cheating": (0.0, 0.0)},
 }
 # The criterion that a mistake costs whole, and it alone, in labs where there is one.
 LOST = {
+    "02-the-banana": ("not_carried", "ellipse"),
     "04-wall-following": ("swinging", "smooth"),
     "05-gyro-and-compass": ("compass_alone", "heading"),
     "06-ekf-with-landmarks": ("overconfident", "consistent"),
+    "11-planning": ("greedy", "way"),
 }
 
 

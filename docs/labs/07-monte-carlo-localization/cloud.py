@@ -41,6 +41,10 @@ class Estimator:
             self.resample()
         return self.mean()
 
+    def beliefs(self):
+        """The cloud, for the window to draw."""
+        return {"particles": self.particles, "weights": self.weights}
+
     def move(self, counts):
         """Move each particle by what the wheels have turned, and by a draw of what they may have erred."""
         if self.counts is not None:

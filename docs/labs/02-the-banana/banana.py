@@ -1,0 +1,60 @@
+"""Lab 2: the banana. Fill in `propagate` and `sample`."""
+
+import math
+
+import numpy as np
+
+METRES_PER_COUNT = 2.0 * math.pi * 0.0825 / 39400.0  # of a wheel
+TRACK = 0.33  # [m] between the wheels
+VARIANCE = 2e-4  # [m^2/m] by which a wheel's travel errs, for each metre of it
+PARTICLES = 500
+
+
+class Estimator:
+    """Where the robot may be: a pose with an ellipse around it, and a cloud of poses."""
+
+    def __init__(self, start):
+        self.random = np.random.default_rng(1)
+        self.counts = None  # of the encoder, left and right
+        self.know(np.array(start, dtype=float))
+
+    def know(self, pose):
+        """Begin anew where the pose is known exactly."""
+        self.pose = pose  # x, y [m], heading [rad]
+        self.covariance = np.zeros((3, 3))
+        self.cloud = np.tile(pose, (PARTICLES, 1))
+
+    def update(self, readings, command, elapsed):
+        counts = readings["encoder"].measured
+        if self.counts is not None:
+            left, right = (counts - self.counts) * METRES_PER_COUNT
+            self.covariance = propagate(self.pose, self.covariance, left, right)
+            self.cloud = sample(self.random, self.cloud, left, right)
+            self.pose = move(self.pose, left, right)
+        self.counts = counts
+        if readings["tracker"].fresh:
+            self.know(readings["tracker"].measured)
+        return self.pose, self.covariance
+
+    def beliefs(self):
+        """What the window draws besides the pose and its ellipse."""
+        return {"particles": self.cloud, "weights": np.full(PARTICLES, 1.0 / PARTICLES)}
+
+
+def move(pose, left, right):
+    """Poses (..., 3) after the wheels have rolled by `left` and `right` [m], which may be arrays, too."""
+    ahead, turn = (left + right) / 2.0, (right - left) / TRACK
+    middle = pose[..., 2] + turn / 2.0
+    return pose + np.stack(np.broadcast_arrays(ahead * np.cos(middle), ahead * np.sin(middle), turn), axis=-1)
+
+
+def propagate(pose, covariance, left, right):
+    """The covariance (3, 3) of the pose after a step, from that before it."""
+    # Step 2 of the handout goes here. Until then the robot takes itself for exact.
+    return covariance
+
+
+def sample(random, cloud, left, right):
+    """The cloud (n, 3) after a step: each pose moved by a draw of its own of what the wheels may have done."""
+    # Step 3 of the handout goes here. Until then all poses move alike.
+    return move(cloud, left, right)

@@ -1,0 +1,94 @@
+"""Makes the pictures of the labs' handouts: what a good solution looks like, in headless Chromium.
+
+They are looked at and not compared, so make them again only where they should look different::
+
+    python tools/make_lab_pictures.py [NUMBER ...]
+
+Needs the extra "dev" and Debian's chromium.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+
+from playwright.sync_api import Browser, sync_playwright
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
+from make_screenshots import save  # noqa: E402 - beside us, not installed
+
+import amorsim as am  # noqa: E402
+from amorsim.labs import Lab, find_labs  # noqa: E402
+from tests.ui.windows import CHROMIUM, FLAGS, Server, Window  # noqa: E402
+
+__all__ = ["make"]
+
+WIDTH, HEIGHT = 1280, 720
+PICTURE = "expected.png"
+# By number: the time that is shown [s], what is plotted, and changes to the lab's files (pattern, replacement).
+SHOWN: dict[int, tuple[float, str, list[tuple[str, str]]]] = {
+    1: (60.0, "apart", []),
+    2: (21.0, "apart", [(r"rate = 0\.1", "rate = 0.02"), ("2e-4", "8e-4")]),
+    3: (60.0, "heading", []),
+    4: (40.0, "y", []),
+    5: (90.0, "heading", []),
+    6: (60.0, "apart", []),
+    7: (6.0, "apart", []),
+    8: (180.0, "apart", []),
+    9: (60.0, "apart", []),
+    10: (80.0, "apart", []),
+    12: (20.0, "apart", []),
+}
+
+
+def make(browser: Browser, lab: Lab) -> None:
+    """Write a lab's picture beside its handout."""
+    seconds, plotted, changes = SHOWN[lab.number]
+    with tempfile.TemporaryDirectory() as work:
+        for file in lab.handed_out:
+            shutil.copy(file, work)
+        shutil.copy(lab.folder / "solutions" / "good.py", Path(work) / lab.handed_in.name)
+        for name in ("lab.toml", lab.handed_in.name):
+            path = Path(work) / name
+            text = path.read_text(encoding="utf-8")
+            for pattern, replacement in changes:
+                text = re.sub(pattern, replacement, text)
+            path.write_text(text, encoding="utf-8")
+        server = Server(Path(work) / "lab.toml")
+        try:
+            page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
+            window = Window(page).open(server.address)
+            left = round(10.0 * seconds)
+            while left > 0:
+                window.do(do="step", steps=min(left, 100))
+                left -= 100
+            window.until(f"newest.tick >= {round(10.0 * seconds)}", seconds=240.0)
+            window.open(page.url)  # whose trails are of each step
+            page.keyboard.press("c")
+            window.see(f"numbers.choose({plotted!r})")
+            page.wait_for_timeout(6000)  # until the hint is gone
+            save(page.screenshot(), lab.folder / PICTURE)
+            page.close()
+        finally:
+            server.close()
+
+
+def draw_search(lab: Lab) -> None:
+    """Draw the cells that A* looks at in a lab's house, and the way that it finds."""
+    house, start, goal = am.load_map(lab.folder / "house.wld"), (1.0, 1.0), (12.5, 2.5)
+    plan = am.planners.AStar(cell=0.1).plan(house, start, goal, footprint=am.load_robot("pioneer2dx").shape)
+    am.draw_plan(house, plan, start, goal, size=1200).save(lab.folder / PICTURE, optimize=True)
+
+
+if __name__ == "__main__":
+    wanted = [int(number) for number in sys.argv[1:]] or [*SHOWN, 11]
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=str(CHROMIUM), args=FLAGS)
+        for each in find_labs():
+            if each.number in wanted:
+                (make(chromium, each) if each.number in SHOWN else draw_search(each))
+        chromium.close()
