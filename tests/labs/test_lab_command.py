@@ -27,7 +27,7 @@ def test_a_lab_is_begun_in_a_folder_of_its_own(amorsim: Command) -> None:
     assert "lab-6" in said
     assert "amorsim lab check lab-6" in said
     names = {path.name for path in Path("lab-6").iterdir()}
-    assert names == {"filter.py", "handout.md", "lab.toml", "room.wld", "rubric.toml"}
+    assert names == {"expected.png", "filter.py", "handout.md", "lab.toml", "room.wld", "rubric.toml"}
     handout = Path("lab-6/handout.md").read_text(encoding="utf-8")
     assert "](../" not in handout
     assert amorsim("check", "lab-6/lab.toml").status == 0
