@@ -44,12 +44,12 @@ class _OfMap(Metric, abc.ABC):
         for row, cells in enumerate(occupancy):
             side = float(sides.reshape(len(found), -1)[row, 0])
             truth = _surfaces(episode.map_of(row), origins[row, :2], cells.shape, side)
-            found[row] = self.score(map_scores(np.clip(cells, 0.0, 1.0), truth, side))
+            found[row] = self._score(map_scores(np.clip(cells, 0.0, 1.0), truth, side))
         return found
 
     @staticmethod
     @abc.abstractmethod
-    def score(scores: MapScores) -> float:
+    def _score(scores: MapScores) -> float:
         """The one of the scores that it is."""
 
 
@@ -64,7 +64,7 @@ class MapAccuracy(_OfMap):
     better: ClassVar[str] = "lower"
 
     @staticmethod
-    def score(scores: MapScores) -> float:
+    def _score(scores: MapScores) -> float:
         """See `_OfMap`."""
         return scores.accuracy
 
@@ -80,7 +80,7 @@ class MapCompleteness(_OfMap):
     better: ClassVar[str] = "lower"
 
     @staticmethod
-    def score(scores: MapScores) -> float:
+    def _score(scores: MapScores) -> float:
         """See `_OfMap`."""
         return scores.completeness
 
@@ -96,7 +96,7 @@ class MapIou(_OfMap):
     better: ClassVar[str] = "higher"
 
     @staticmethod
-    def score(scores: MapScores) -> float:
+    def _score(scores: MapScores) -> float:
         """See `_OfMap`."""
         return scores.iou
 

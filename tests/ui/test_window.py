@@ -511,7 +511,7 @@ def test_axe_finds_nothing(window: Window, theme: str) -> None:
 @pytest.mark.long
 @pytest.mark.parametrize("size", [(1280, 720), (3840, 2160), (390, 844)])
 def test_a_class_sees_two_panes_and_a_plot_large(window: Window, size: tuple[int, int]) -> None:
-    page = window.page
+    page, before = window.page, window.page.viewport_size
     page.set_viewport_size({"width": size[0], "height": size[1]})
     thin = window.see("stage.robot.ratio")
     page.keyboard.press("c")
@@ -537,6 +537,7 @@ def test_a_class_sees_two_panes_and_a_plot_large(window: Window, size: tuple[int
     page.keyboard.press("c")
     expect(page.locator(".panel.numbers")).to_be_visible()
     assert window.see("stage.robot.ratio") == thin
+    page.set_viewport_size(before)
 
 
 @pytest.mark.long
