@@ -49,8 +49,6 @@ def command(
     if gradescope is not None and len(submissions) != 1:
         raise RunError(f"--gradescope is for one submission, got {len(submissions)}")
     compile_once(look, quiet)
-    if jobs < 1:
-        raise RunError(f"--jobs: expected 1 or more, got {jobs}")
     try:
         with case_progress(quiet) as progress:
             found = grade(rubric, submissions, out, fence=not no_fence, seeds=seeds, jobs=jobs, progress=progress)

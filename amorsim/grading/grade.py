@@ -86,6 +86,8 @@ def grade(
     RunError
         If a file cannot be written.
     """
+    if jobs < 1:
+        raise StudyError(f"jobs: expected 1 or more, got {jobs}")
     paths, folder = [Path(path) for path in submissions], Path(out)
     kept = KeptCases(folder)
     seeds = folder / SEEDS if kept.goes_on and seeds is None else seeds
@@ -104,6 +106,7 @@ def grade(
     for place, path in enumerate(paths):
         handed_in, problem = _handed_in(grading, path)
         digests.append(digest_of(handed_in, problem))
+        desk.left_out.append(() if handed_in is None else handed_in.left_out)
         for number, (case, _) in enumerate(grading.cases):
             found = before.get((digests[-1], case.number))
             if found is None:
@@ -130,6 +133,7 @@ class _Desk:
     def __init__(self, grading: _Grading, folder: Path, submissions: Sequence[tuple[Path, str]], fence: str) -> None:
         self._grading, self._folder, self._fence = grading, folder, fence
         self.submissions = submissions
+        self.left_out: list[tuple[str, ...]] = []  # of each submission
         self._cases: list[list[CaseGrade]] = [[] for _ in submissions]
         self._grades: dict[int, Grade] = {}
 
@@ -145,14 +149,13 @@ class _Desk:
         if len(cases) < len(self._grading.cases):
             return
         path, label = self.submissions[place]
-        handed_in, _ = _handed_in(self._grading, path)
         grade = self._grades[place] = Grade(
             submission=path,
             label=label,
             cases=tuple(sorted(cases, key=lambda each: each.case.number)),
             of=rubric.points,
             fence=self._fence,
-            left_out=() if handed_in is None else handed_in.left_out,
+            left_out=self.left_out[place],
         )
         write_text(self._folder / f"{label}.html", page_of(rubric, grade).text)
         write_text(self._folder / "grades.csv", table_of(rubric, self.grades))

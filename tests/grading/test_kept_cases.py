@@ -76,3 +76,9 @@ def test_several_processes_give_the_grades_of_one(course: Path) -> None:
     assert len(lines) == TOTAL
     assert table(course, "two") == table(course, "one")
     assert repr([each.cases for each in two]) == repr([each.cases for each in one])  # with nan
+
+
+def test_fewer_processes_than_one_are_refused(course: Path) -> None:
+    with pytest.raises(am.StudyError, match="expected 1 or more"):
+        graded(course, "out", jobs=0)
+    assert not (course.parent / "out").exists()
