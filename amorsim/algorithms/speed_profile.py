@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from amorsim.core.arguments import is_real
 from amorsim.core.errors import PlanError
+from amorsim.kernels import elementary
 
 __all__ = ["Pieces", "SpeedProfile", "pieces_of", "speed_profile"]
 
@@ -50,7 +51,7 @@ def pieces_of(path: ArrayLike) -> Pieces:
     if poses.ndim != 2 or poses.shape[1] not in (2, 3) or len(poses) == 0 or not np.isfinite(poses).all():
         raise PlanError(f"the path has shape {poses.shape}; expected points (M, 2) or poses (M, 3), finite numbers")
     steps = np.diff(poses[:, :2], axis=0)
-    chords, directions = np.hypot(steps[:, 0], steps[:, 1]), np.arctan2(steps[:, 1], steps[:, 0])
+    chords, directions = np.hypot(steps[:, 0], steps[:, 1]), elementary.arctan2(steps[:, 1], steps[:, 0])
     lengths, turns = chords.copy(), np.zeros(len(chords))
     leaves, comes = directions.copy(), directions.copy()  # headings at the start and the end of each piece
     if poses.shape[1] == 3:

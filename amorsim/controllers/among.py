@@ -15,6 +15,7 @@ from amorsim.contracts import Beliefs, Clock, Context, Draws, Measurement, Robot
 from amorsim.controllers.avoider import Avoider, start_moving
 from amorsim.controllers.driving import Course
 from amorsim.controllers.others import know_others, start_others
+from amorsim.kernels import elementary
 from amorsim.kernels.avoidance.guide import Guide
 from amorsim.kernels.avoidance.human_like import human_velocities
 from amorsim.kernels.avoidance.hybrid import hybrid_velocities
@@ -235,7 +236,7 @@ class HumanLike(Among):
         mine: Any = self
         asked = others, target, radius, mine.speed, mine.reaction_time, mine.horizon, self.directions
         draws.share(_WORK, lambda first, end: human_velocities(*asked, first, end, state["ways"], out))
-        state["towards"] = np.arctan2(target[:, 1:], target[:, :1])
+        state["towards"] = elementary.arctan2(target[:, 1:], target[:, :1])
         return out
 
     def beliefs(self, state: State) -> Beliefs:

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from amorsim.contracts import Context, Measurement, RobotModel, State
 from amorsim.controllers.driving import Course
 from amorsim.core.errors import ComponentError, did_you_mean
+from amorsim.kernels import elementary
 
 __all__ = ["know_others", "start_others"]
 
@@ -127,7 +128,7 @@ def _track(robot: RobotModel, reading: Measurement, sensor: str, course: Course,
     with np.errstate(invalid="ignore", divide="ignore"):
         found = (at - np.take_along_axis(state["mark_at"], before, axis=1)) / since
         had = np.take_along_axis(state["mark_speed"], before, axis=1)
-        speed = np.where(np.isfinite(had), had + (1.0 - np.exp(-since / _SETTLES)) * (found - had), found)
+        speed = np.where(np.isfinite(had), had + (1.0 - elementary.exp(-since / _SETTLES)) * (found - had), found)
     fresh_marks = fresh[:, :, None]
     state["mark_speed"] = np.where(fresh_marks, np.where(again, speed, np.nan), state["mark_speed"])
     state["mark_at"] = np.where(fresh_marks, at, state["mark_at"])

@@ -30,6 +30,7 @@ from amorsim.estimators.scan_tracking import empty_outlines, placed
 from amorsim.estimators.scans import Beams, beams_of, check_laser
 from amorsim.estimators.starts import refuse_lost, start_state, with_start
 from amorsim.estimators.wheels import angles_of, check_encoder, check_keeps_up, is_current, reckon
+from amorsim.kernels import elementary
 from amorsim.kernels.kinematics.poses import directions
 from amorsim.kernels.mapping import occupancy
 from amorsim.kernels.mapping.nodes import add_nodes
@@ -273,7 +274,7 @@ class GridSlam(MapArea, Estimator):
 def _weights_of(state: State) -> Array:
     """Weights `(N, P)` that sum to 1 in each row; summed one after the other, so that rows keep their bits."""
     logarithms: Any = state["weights"]
-    weights = np.exp(logarithms - logarithms.max(axis=1, keepdims=True))
+    weights = elementary.exp(logarithms - logarithms.max(axis=1, keepdims=True))
     return np.asarray(weights / np.cumsum(weights, axis=1)[:, -1:])
 
 

@@ -15,6 +15,7 @@ from amorsim.contracts import RobotModel
 from amorsim.core.errors import ComponentError, MapError
 from amorsim.core.free_places import free_places
 from amorsim.core.map import Map
+from amorsim.kernels import elementary
 from amorsim.kernels.filters.beams import Field, Place
 from amorsim.kernels.filters.particles import Free
 from amorsim.kernels.grid.distances import distances
@@ -120,8 +121,10 @@ def field_of(known: Map, resolution: float, ends: Ends) -> Field:
     """
     squares, resolution, margin = _squares(known, resolution, ends.distance_max)
     away = np.minimum(np.sqrt(np.arange(margin * margin + 1)) * resolution, ends.distance_max)
-    density = ends.rest + ends.hit * (np.exp(-0.5 * (away / ends.std) ** 2) / (ends.std * math.sqrt(2.0 * math.pi)))
-    added = density**3 if ends.cubed else np.log(density)
+    density = ends.rest + ends.hit * (
+        elementary.exp(-0.5 * (away / ends.std) ** 2) / (ends.std * math.sqrt(2.0 * math.pi))
+    )
+    added = elementary.power(density, 3.0) if ends.cubed else elementary.log(density)
     base = float(added[-1])
     unit = (float(added[0]) - base) / (_LARGEST // ends.beams) or 1.0
     steps = np.rint((added - base) / unit).astype(np.int32)[squares.reshape(-1)]

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Context, Draws, Motion, State, View, parameter
+from amorsim.kernels import elementary
 from amorsim.kernels.behaviours.social_force import NEGLIGIBLE, Passers, Walls, range_of, social_forces
 from amorsim.motions.ways import STANDS, blocked_for, displacement, facing
 
@@ -100,7 +101,7 @@ class Pedestrian(Motion):
         # The velocity in the middle of the step, from the force of the previous step; then the force there.
         wanted = self._towards(view.body_pose[:, :2], state)
         target = state["speed"] * wanted + self.relaxation_time * state["force"]
-        middle = target + (velocity - target) * np.exp(-0.5 * dt / self.relaxation_time)
+        middle = target + (velocity - target) * elementary.exp(-0.5 * dt / self.relaxation_time)
         mean, last = self._wanted(view, middle * dt, dt, state, uniform)
         ends = np.concatenate((wanted, last), axis=1)
         force = state["force"] = self._forces(view, middle, ends, 0.5 * dt, draws)
@@ -119,11 +120,12 @@ class Pedestrian(Motion):
         """
         tau: Any = self.relaxation_time
         part = dt / tau
-        gone = -np.expm1(-part)
+        gone = -elementary.expm1(-part)
         # Variances and covariance of velocity and way, for noise of density 1.
-        of_velocity = -0.5 * tau * np.expm1(-2.0 * part)
+        of_velocity = -0.5 * tau * elementary.expm1(-2.0 * part)
         common = 0.5 * (tau * gone) ** 2
-        of_way = tau**3 * np.where(part > 1e-2, part - gone - 0.5 * gone**2, part**3 * (1.0 / 3.0 - 0.25 * part))
+        short = elementary.power(part, 3.0) * (1.0 / 3.0 - 0.25 * part)
+        of_way = elementary.power(tau, 3.0) * np.where(part > 1e-2, part - gone - 0.5 * gone**2, short)
         along = common / np.sqrt(of_velocity)
         aside = np.sqrt(np.maximum(of_way - along**2, 0.0))
         after = target + (velocity - target) * (1.0 - gone) + self.velocity_noise * np.sqrt(of_velocity) * normal[:, :2]
@@ -197,7 +199,7 @@ class Pedestrian(Motion):
         look: Array = np.empty((view.rows, 1))
         # The distance at which a wall still pushes, plus the approach in the meantime.
         push = np.maximum(self.wall_strength / self.wall_range / NEGLIGIBLE, 2.0)
-        look[:] = self.wall_range * np.log(push) + 2.0 * ahead * self.speed
+        look[:] = self.wall_range * elementary.log(push) + 2.0 * ahead * self.speed
         walls = view.cast(level, _BEARINGS[None, :], look, bodies=False)
         half = np.cos(0.5 * self.field_of_view)
         relative, later = np.full((view.rows, 1), float(self.relative)), np.full((view.rows, 1), ahead)

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Context, Draws, Motion, State, View, parameter
 from amorsim.core.parameters import ParameterError
+from amorsim.kernels import elementary
 from amorsim.motions.ways import blocked_for, displacement, facing
 
 __all__ = ["Loop", "Oscillate", "Waypoints"]
@@ -52,7 +53,7 @@ class _Route(Motion):
         """At the first waypoint, looking towards the second."""
         x, y = self.waypoints[0]
         ahead = self.waypoints[min(1, len(self.waypoints) - 1)]
-        heading = float(np.arctan2(ahead[1] - y, ahead[0] - x))
+        heading = float(elementary.arctan2(ahead[1] - y, ahead[0] - x))
         return float(x), float(y), heading if self.faces == "ahead" else 0.0
 
     def start(self, context: Context) -> State:

@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import State, View
 from amorsim.core.poses import wrap_angle
+from amorsim.kernels import elementary
 
 __all__ = ["STANDS", "blocked_for", "displacement", "facing"]
 
@@ -27,7 +28,7 @@ def facing(view: View, dx: Array, dy: Array, most: Array) -> Array:
     A body that was just blocked does not turn: its corners may touch the obstacle.
     """
     goes = (np.abs(dx) + np.abs(dy) > STANDS) & (view.free >= 1.0)
-    turn = wrap_angle(np.arctan2(dy, dx) - view.body_pose[:, 2:])
+    turn = wrap_angle(elementary.arctan2(dy, dx) - view.body_pose[:, 2:])
     return np.asarray(np.where(goes, np.clip(turn, -most, most), 0.0))
 
 

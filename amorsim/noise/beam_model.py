@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Draws, Noise, State, parameter
 from amorsim.core.parameters import ParameterError
+from amorsim.kernels import elementary
 
 __all__ = ["BeamModel"]
 
@@ -65,7 +66,9 @@ class BeamModel(Noise):
         hit = np.where((noise == 0.0) | np.isinf(values), values, hit)
         within = np.minimum(np.maximum(values, 0.0), self.range_max)
         # The inverse distribution function of an exponential cut off at the range.
-        short = np.minimum(-np.log1p(place * np.expm1(-self.short_rate * within)) / self.short_rate, within)
+        short = np.minimum(
+            -elementary.log1p(place * elementary.expm1(-self.short_rate * within)) / self.short_rate, within
+        )
         drawn = np.where(part < self.short + self.max + self.random, place * self.range_max, hit)
         drawn = np.where(part < self.short + self.max, np.inf, drawn)
         return np.where(part < self.short, short, drawn)

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Context, Draws, Noise, State, parameter
+from amorsim.kernels import elementary
 from amorsim.kernels.sensing import noise_elements
 
 __all__ = ["BiasInstability"]
@@ -46,7 +47,14 @@ class BiasInstability(Noise):
         ratio = -elapsed / self.correlation_time
         process, out = draws.normal(values.shape[1]), np.empty(values.shape)
         noise_elements.wander(
-            values, state["process"], elapsed, np.exp(ratio), np.expm1(2.0 * ratio), self.std, process, out
+            values,
+            state["process"],
+            elapsed,
+            elementary.exp(ratio),
+            elementary.expm1(2.0 * ratio),
+            self.std,
+            process,
+            out,
         )
         state["process"] = process
         return out

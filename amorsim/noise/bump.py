@@ -12,6 +12,7 @@ import numpy.typing as npt
 from amorsim.contracts import Context, Draws, Noise, State, parameter
 from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import ParameterError
+from amorsim.kernels import elementary
 from amorsim.noise.joints import chosen
 
 __all__ = ["Bump"]
@@ -82,7 +83,7 @@ class Bump(Noise):
                 f"{float(np.max(self.height)):g} m"
             )
         # sin(phi) from cos(phi) = 1 - climb, without the cancellation.
-        lacks = 2.0 * state["radius"] * (np.arccos(1.0 - climb) - np.sqrt(climb * (2.0 - climb)))
+        lacks = 2.0 * state["radius"] * (elementary.arccos(1.0 - climb) - np.sqrt(climb * (2.0 - climb)))
         if self.at is None and self.rate is None:
             # A wheel set back across the border would enter again, so it loses no more than it rolls in a step.
             entered, inside = _entered(side)
@@ -115,7 +116,7 @@ def _entered(side: Mapping[str, Array]) -> tuple[Array, Array]:
 
 def _poisson(chance: Array, mean: Array) -> Array:
     """Draws from a Poisson distribution, by its inverse distribution function at `chance` in (0, 1)."""
-    term = np.exp(-mean)
+    term = elementary.exp(-mean)
     below, count = term, np.zeros_like(mean)
     for i in range(1, _MOST + 1):
         more = chance > below

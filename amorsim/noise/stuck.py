@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Context, Draws, Noise, State, parameter
+from amorsim.kernels import elementary
 
 __all__ = ["Stuck"]
 
@@ -51,7 +52,7 @@ class Stuck(Noise):
         recovery = 1.0 / self.duration
         both = self.rate + recovery
         # Transition of a two-state chain over the elapsed time, including faults that began and ended within it.
-        moved = -np.expm1(-both * elapsed) / both
+        moved = -elementary.expm1(-both * elapsed) / both
         frozen = np.where(state["frozen"], chance >= recovery * moved, chance < self.rate * moved)
         reported = np.where(frozen, state["last"], values)
         state["frozen"] = frozen

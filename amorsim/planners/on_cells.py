@@ -14,6 +14,7 @@ from amorsim.core.errors import PlanError
 from amorsim.core.map import Map
 from amorsim.core.parameters import parameter
 from amorsim.core.shapes import Shape
+from amorsim.kernels import elementary
 from amorsim.kernels.search.frontier import new_search
 from amorsim.kernels.search.octile import FOUND, GOING_ON, expand_octile
 
@@ -64,7 +65,7 @@ def poses_along(points: Array, heading: float | None) -> Array:
     poses[:, :2] = points
     if len(points) > 1:
         legs = np.diff(points, axis=0)
-        poses[:-1, 2] = np.arctan2(legs[:, 1], legs[:, 0])
+        poses[:-1, 2] = elementary.arctan2(legs[:, 1], legs[:, 0])
         poses[-1, 2] = poses[-2, 2]
     if heading is not None:
         poses[-1, 2] = heading

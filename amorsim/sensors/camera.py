@@ -16,6 +16,7 @@ from PIL import ImageColor
 from amorsim.contracts import Aim, Context, Draws, Drive, Sensor, State, View, parameter
 from amorsim.core.parameters import ParameterError
 from amorsim.core.poses import compose, wrap_angle
+from amorsim.kernels import elementary
 from amorsim.sensors.tables import table_of
 
 __all__ = ["Camera"]
@@ -125,8 +126,8 @@ class Camera(Sensor):
         # Image rows from the thing's top down to the ground in front of it.
         high = np.where(things >= 0, view.heights[things], 0.0)
         away = np.where(np.isfinite(ranges), np.maximum(ranges, 1e-9), 1.0)
-        upper = 0.5 * self.height - (np.arctan2(high - self.eye, away) - tilt) / pixel
-        lower = 0.5 * self.height - (np.arctan2(0.0 - self.eye, away) - tilt) / pixel
+        upper = 0.5 * self.height - (elementary.arctan2(high - self.eye, away) - tilt) / pixel
+        lower = 0.5 * self.height - (elementary.arctan2(0.0 - self.eye, away) - tilt) / pixel
         first = np.clip(np.floor(upper), 0, self.height - 1)
         last = np.clip(np.ceil(lower) - 1.0, 0, self.height - 1)
         colour = np.where((lower > 0.0) & (upper < self.height), colour, -1)

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Emissions, View
+from amorsim.kernels import elementary
 from amorsim.kernels.sensing import acoustics, earshot
 
 __all__ = ["SOUND", "hear"]
@@ -117,7 +118,7 @@ def _are_free(view: View, lines: acoustics.Lines) -> npt.NDArray[np.bool_]:
     Bodies are compared by number, not by place: an emitter at the rim of its carrier is as far away as the rim, up to
     rounding.
     """
-    lines.poses[:, 2] = np.arctan2(lines.ahead[:, 1], lines.ahead[:, 0])
+    lines.poses[:, 2] = elementary.arctan2(lines.ahead[:, 1], lines.ahead[:, 0])
     length = np.hypot(lines.ahead[:, :1], lines.ahead[:, 1:])
     limit = length * _BEYOND + _OFF
     is_free = view.cast(lines.poses, _AHEAD, limit, bodies=False, row=lines.row) >= length

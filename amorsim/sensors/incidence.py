@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import View
 from amorsim.core.poses import wrap_angle
+from amorsim.kernels import elementary
 from amorsim.kernels.sensing import slopes
 
 __all__ = ["PATCH", "incidence", "nearest_incidence"]
@@ -121,11 +122,11 @@ def _wall_incidence(view: View, origins: Array, bearings: Array, ranges: Array, 
     Two probes are cast close to each beam, to meet the wall `PATCH` away. The wall's line goes through their ends. If
     one probe passes an edge, the line goes through the nearer end and the beam's own end. Bodies do not block probes.
     """
-    turn = np.arctan2(PATCH, np.where(np.isfinite(ranges), ranges, 1.0))
+    turn = elementary.arctan2(PATCH, np.where(np.isfinite(ranges), ranges, 1.0))
     # A probe may be longer than the beam: a slanted wall continues beyond the range of view.
     probes = view.cast(
         origins, np.concatenate((bearings + turn, bearings - turn), axis=1), 2.0 * range_max, bodies=False
     )
     along, across = np.empty(ranges.shape), np.empty(ranges.shape)
     slopes.along_walls(ranges, turn, probes, _EVEN, along, across)
-    return np.arctan2(np.abs(along), np.abs(across))
+    return elementary.arctan2(np.abs(along), np.abs(across))

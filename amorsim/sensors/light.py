@@ -14,6 +14,7 @@ import numpy.typing as npt
 from amorsim.contracts import Aim, Draws, Drive, Mount, Sensor, State, View, parameter
 from amorsim.core.parameters import ParameterError
 from amorsim.core.poses import wrap_angle
+from amorsim.kernels import elementary
 from amorsim.sensors.response import ring_poses
 
 __all__ = ["Light"]
@@ -103,7 +104,7 @@ class Light(Sensor):
         k = len(origins) // view.rows
         dx, dy = places[:, 0] - origins[:, :1], places[:, 1] - origins[:, 1:2]
         away = np.sqrt(dx * dx + dy * dy)
-        bearing = wrap_angle(np.arctan2(dy, dx) - origins[:, 2:])
+        bearing = wrap_angle(elementary.arctan2(dy, dx) - origins[:, 2:])
         half_angle = np.repeat(np.asarray(self.half_angle), k, axis=0)
         if self.falloff == "linear":
             falloff = np.maximum(0.0, 1.0 - away / np.repeat(np.asarray(self.reach), k, axis=0))

@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Draws, Observable, RobotModel, State, StepOutcome, Task, TrueState, parameter
+from amorsim.kernels import elementary
 from amorsim.tasks.goals import goal_within
 
 __all__ = ["PointGoal"]
@@ -84,7 +85,7 @@ class PointGoal(Task):
         ranges = known.readings[self.sensor].measured / longest
         pose = known.estimate.pose
         east, north = (episode["goal"] - pose[:, :2]).T
-        bearing = np.arctan2(north, east) - pose[:, 2]
+        bearing = elementary.arctan2(north, east) - pose[:, 2]
         away = np.minimum(np.hypot(east, north), self._farthest)
         goal = np.column_stack((away, np.cos(bearing), np.sin(bearing)))
         ranges = np.where(ranges < 1.0, ranges, 1.0)  # no return, and no reading yet, are the longest too

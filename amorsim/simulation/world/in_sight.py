@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Sightings
 from amorsim.core.workers import in_turn
+from amorsim.kernels import elementary
 from amorsim.kernels.kinematics import poses
 from amorsim.kernels.raycast import body_normals, bresenham, rays, scans
 from amorsim.kernels.raycast import visibility as sight
@@ -117,7 +118,7 @@ def _in_sight(world: World, own: Ints, eyes: Array, mark: Ints, distance: Array)
     place[is_carried] = world.poses[carrier[is_carried], :2]
     lines = np.empty((len(mark), 3))
     lines[:, :2] = eyes[:, :2]
-    lines[:, 2] = np.arctan2(place[:, 1] - eyes[:, 1], place[:, 0] - eyes[:, 0])
+    lines[:, 2] = elementary.arctan2(place[:, 1] - eyes[:, 1], place[:, 0] - eyes[:, 0])
     # A mark on a wall is in sight although the line ends in the wall's cell, if that is within the mark's disc.
     need = distance.copy()
     need[~is_carried] -= around.radius[mark[~is_carried]]

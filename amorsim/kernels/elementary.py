@@ -1,0 +1,106 @@
+"""Exponentials, logarithms, powers and angles of arrays, as the C library computes them.
+
+NumPy computes them by other instructions where a processor has wider vectors (AVX-512), and their last bits are others
+then: `numpy.exp` of 4 % of the numbers, `numpy.arctan2` of 8 %. A run must not depend on that. Sines, cosines and roots
+are the same everywhere.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from amorsim.kernels.compile import kernel
+
+__all__ = ["arccos", "arctan2", "exp", "expm1", "log", "log1p", "power"]
+
+Floats = NDArray[np.float64]
+
+
+def exp(x: ArrayLike) -> Floats:
+    """E to the power of each number."""
+    return _each(_exp, x)
+
+
+def expm1(x: ArrayLike) -> Floats:
+    """exp(x) - 1 of each number."""
+    return _each(_expm1, x)
+
+
+def log(x: ArrayLike) -> Floats:
+    """The natural logarithm of each number: -inf of 0, nan below."""
+    return _each(_log, x)
+
+
+def log1p(x: ArrayLike) -> Floats:
+    """log(1 + x) of each number."""
+    return _each(_log1p, x)
+
+
+def arccos(x: ArrayLike) -> Floats:
+    """The angle [rad] of each cosine; nan beyond 1."""
+    return _each(_arccos, x)
+
+
+def arctan2(y: ArrayLike, x: ArrayLike) -> Floats:
+    """The angle [rad] of each point (x, y), in [-pi, pi]."""
+    return _each(_arctan2, y, x)
+
+
+def power(x: ArrayLike, exponent: ArrayLike) -> Floats:
+    """Each number to its power."""
+    return _each(_power, x, exponent)
+
+
+def _each(run: Callable[..., Any], *arguments: ArrayLike) -> Floats:
+    """What a kernel computes for the arguments, broadcast to one shape."""
+    arrays = np.broadcast_arrays(*(np.asarray(argument, dtype=np.float64) for argument in arguments))
+    out = np.empty(arrays[0].shape)
+    run(*(np.ascontiguousarray(array).reshape(-1) for array in arrays), out.reshape(-1))
+    return out
+
+
+@kernel
+def _exp(x: Floats, out: Floats) -> None:
+    for i in range(len(out)):
+        out[i] = math.exp(x[i])
+
+
+@kernel
+def _expm1(x: Floats, out: Floats) -> None:
+    for i in range(len(out)):
+        out[i] = math.expm1(x[i])
+
+
+@kernel
+def _log(x: Floats, out: Floats) -> None:
+    for i in range(len(out)):
+        out[i] = math.log(x[i])
+
+
+@kernel
+def _log1p(x: Floats, out: Floats) -> None:
+    for i in range(len(out)):
+        out[i] = math.log1p(x[i])
+
+
+@kernel
+def _arccos(x: Floats, out: Floats) -> None:
+    for i in range(len(out)):
+        out[i] = math.acos(x[i])
+
+
+@kernel
+def _arctan2(y: Floats, x: Floats, out: Floats) -> None:
+    for i in range(len(out)):
+        out[i] = math.atan2(y[i], x[i])
+
+
+@kernel
+def _power(x: Floats, exponent: Floats, out: Floats) -> None:
+    for i in range(len(out)):
+        out[i] = x[i] ** exponent[i]
