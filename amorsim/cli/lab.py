@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
 import tempfile
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from amorsim.cli.console import compile_once, say
+
+if TYPE_CHECKING:
+    from amorsim.grading.results import Grade
 
 __all__ = ["app"]
 
@@ -36,13 +40,15 @@ def start(
     ] = None,
 ) -> None:
     """Copy a lab's handout and the files to begin with."""
-    from amorsim.labs import find_lab, start_lab
+    from amorsim.labs import NOTEBOOK, find_lab, start_lab, write_notebook
 
     found = find_lab(number)
     target = folder or Path(f"lab-{number}")
     names = start_lab(found, target)
-    say(f"made {', '.join(names)} in {target}")
+    write_notebook(found, target)
+    say(f"made {', '.join([*names, NOTEBOOK])} in {target}")
     say(f"read {target / 'handout.md'}, and see it move: amorsim view {target / 'lab.toml'}")
+    say(f"or open {target / NOTEBOOK} in Jupyter")
     say(f"change {target / found.handed_in.name}, and see what it earns: amorsim lab check {target}")
 
 
@@ -58,6 +64,7 @@ def check(
     """Grade your own file by the lab's rubric, over seeds that are drawn anew and are not those of the lecturer."""
     from amorsim.cli.study import table
     from amorsim.grading.grade import grade
+    from amorsim.grading.questions import ANSWERS
     from amorsim.grading.rubric import read_rubric
     from amorsim.labs import own_lab
 
@@ -74,18 +81,38 @@ def check(
         graded = grade(found.rubric, [program], folder, fence=not no_fence, progress=lambda line, *_: say(line))[0]
     rows = [
         [
-            criterion.measured.name,
-            f"{graded.points_for(criterion.measured.name):.2f}",
-            f"{criterion.points:g}",
-            "none at {}, all at {}".format(*criterion.in_words),
+            part.name,
+            f"{graded.points_for(part.name):.2f}",
+            f"{part.points:g}",
+            _mean(graded, part.name),
+            "none at {}, all at {}".format(*part.in_words),
         ]
-        for criterion in rubric.criteria
+        for part in rubric.parts
     ]
-    say("\n" + table(["criterion", "points", "of", ""], rows))
+    say("\n" + table(["criterion", "points", "of", "value", ""], rows))
     say(f"\n{program.name}: {graded.total:.2f} of {graded.of:g} points, the mean of {len(graded.cases)} runs")
+    if not rubric.questions and ANSWERS in program.read_text(encoding="utf-8", errors="replace"):
+        say(f"what {ANSWERS} holds is looked at when you hand in")
     problems = {case.problem for case in graded.cases if case.problem}
     for problem in sorted(problems):
         say(f"it did not finish: {problem}")
+
+
+def _mean(graded: Grade, name: str) -> str:
+    """The mean value of a criterion over the runs that ended; nothing where none did."""
+    values = [case.values[name] for case in graded.cases if name in case.values]
+    return f"{math.fsum(values) / len(values):.3g}" if values else "-"
+
+
+@app.command("notebook")
+def notebook(
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Of a lab, such as one of your own.")] = Path(),
+) -> None:
+    """Make the notebook of a lab's handout anew."""
+    from amorsim.labs import NOTEBOOK, own_lab, write_notebook
+
+    write_notebook(own_lab(folder), folder)
+    say(f"made {folder / NOTEBOOK}")
 
 
 @app.command("new")

@@ -15,6 +15,7 @@ import numpy as np
 from amorsim.controllers.user import PoseVector, RobotClock, RobotEstimate, RobotReading, Twist, WheelSpeeds
 from amorsim.core.error_text import error_in_words
 from amorsim.core.errors import AmorsimError, ControllerError
+from amorsim.grading.questions import ANSWERS
 from amorsim.scenario.programs.controller_files import load_controller
 
 __all__ = ["answer_all"]
@@ -25,14 +26,14 @@ Say = Callable[[str, Any], None]
 def answer_all(path: Path, name: str, role: str, requests: Iterable[bytes], say: Say) -> None:
     """Load a submission, and answer each line that is sent."""
     try:
-        answer = _loaded(path, name, role)
+        answer, answers = _loaded(path, name, role)
     except AmorsimError as error:
         say("error", str(error))
         sys.exit(1)
     except BaseException as error:
         say("error", error_in_words(error))
         sys.exit(1)
-    say("ready", None)
+    say("ready", answers)
     for line in requests:
         try:
             say(*answer(json.loads(line)))
@@ -45,12 +46,12 @@ def answer_all(path: Path, name: str, role: str, requests: Iterable[bytes], say:
 Answer = Callable[[Mapping[str, Any]], tuple[str, Any]]
 
 
-def _loaded(path: Path, name: str, role: str) -> Answer:
-    """Answers each line."""
+def _loaded(path: Path, name: str, role: str) -> tuple[Answer, dict[str, Any]]:
+    """What answers each line, and the answers to the questions of the rubric."""
     if role == "controller":
         found: Any = load_controller(path, name, {})
         command: Any = getattr(found(), "command", None) if inspect.isclass(found) else found
-        return lambda said: _as_message(command(*_arguments(said)))
+        return lambda said: _as_message(command(*_arguments(said))), _answers(found)
     made = load_controller(path, name, {"start": None})
     if not callable(getattr(made, "update", None)):
         raise ControllerError(
@@ -67,7 +68,13 @@ def _loaded(path: Path, name: str, role: str) -> Answer:
         readings = _readings(said)
         return "estimate", _estimated(own[0].update(readings, np.array(said["command"]), said["elapsed"]))
 
-    return estimate
+    return estimate, _answers(made)
+
+
+def _answers(found: Any) -> dict[str, Any]:
+    """The answers in the file of a function or class, by the numbers of the questions."""
+    written = getattr(sys.modules.get(getattr(found, "__module__", None) or ""), ANSWERS, None)
+    return {str(number): _plain(value) for number, value in written.items()} if isinstance(written, Mapping) else {}
 
 
 def _estimated(answer: Any) -> list[Any]:

@@ -99,7 +99,7 @@ def grade(
         raise RunError(f"{folder}: cannot be written ({error.strerror or error})") from None
     if not kept.goes_on:
         write_seeds(folder / SEEDS, grading.seeds)
-    kept.open(Path(rubric), grading.seeds, name)
+    kept.open(Path(rubric), grading.rubric.questions, grading.seeds, name)
     desk = _Desk(grading, folder, list(zip(paths, _labels(paths), strict=True)), name)
     before, digests = kept.read(case for case, _ in grading.cases), []
     todo: list[_Task] = []
@@ -375,12 +375,17 @@ def _run(grading: _Grading, case: Case, scenario: Scenario, handed_in: HandedIn)
             simulation.step()
             keeper.keep()
         keeper.keep_last()
-    values, points = {}, {}
+    values: dict[str, float] = {}
+    points: dict[str, float] = {}
     for each in rubric.criteria:
         measured = each.measured
         episode = episode_at(
             simulation, keeper.arrays, measured.metric.needs(), measured.robot or robot, np.zeros(1, np.int64), steps
         )
         values[measured.name] = float(measure_episode(measured, episode)[0])
-        points[measured.name] = each.points * each.share(values[measured.name])
+        is_given = not each.given or points[each.given] > 0.0
+        points[measured.name] = each.points * each.share(values[measured.name]) if is_given else 0.0
+    for question in rubric.questions:
+        values[question.name] = float(question.is_right(remote.answers))
+        points[question.name] = question.points * values[question.name]
     return CaseGrade(case=case, values=values, points=points)

@@ -19,7 +19,7 @@ def write_gradescope(file: Path, rubric: str | os.PathLike[str], found: Grade) -
 
 
 def gradescope_results(rubric: Rubric, found: Grade) -> dict[str, object]:
-    """A grade in Gradescope's form: the score, and a test for each criterion."""
+    """A grade in Gradescope's form: the score, and a test for each criterion and question."""
     problems = sorted({case.problem for case in found.cases if case.problem})
     output = f"The mean of {len(found.cases)} runs, with seeds that were drawn for this grading."
     return {
@@ -27,11 +27,11 @@ def gradescope_results(rubric: Rubric, found: Grade) -> dict[str, object]:
         "output": "\n".join([output, *(f"A run did not finish: {problem}" for problem in problems)]),
         "tests": [
             {
-                "name": each.measured.name,
-                "score": round(found.points_for(each.measured.name), 4),
+                "name": each.name,
+                "score": round(found.points_for(each.name), 4),
                 "max_score": each.points,
                 "output": "none at {}, all points at {}".format(*each.in_words),
             }
-            for each in rubric.criteria
+            for each in rubric.parts
         ],
     }

@@ -13,6 +13,7 @@ import attrs
 from amorsim.core.atomic_files import write_text
 from amorsim.core.errors import RunError, StudyError
 from amorsim.grading.handed_in import HandedIn
+from amorsim.grading.questions import Question
 from amorsim.grading.results import Case, CaseGrade
 from amorsim.grading.seeds import Seed
 
@@ -34,7 +35,7 @@ class KeptCases:
         self.goes_on = self._path.is_file() and (folder / SEEDS).is_file()
         """Whether there is a grading to go on with."""
 
-    def open(self, rubric: Path, seeds: Sequence[Seed], fence: str) -> None:
+    def open(self, rubric: Path, questions: Sequence[Question], seeds: Sequence[Seed], fence: str) -> None:
         """Begin the file, or check that it is of this grading.
 
         Raises
@@ -44,8 +45,8 @@ class KeptCases:
         RunError
             If the file cannot be written.
         """
-        text = rubric.read_bytes() + repr([attrs.astuple(seed) for seed in seeds]).encode()
-        head = {"rubric": hashlib.sha256(text).hexdigest(), "fence": fence}
+        rest = [*map(attrs.astuple, questions), *map(attrs.astuple, seeds)]
+        head = {"rubric": hashlib.sha256(rubric.read_bytes() + repr(rest).encode()).hexdigest(), "fence": fence}
         lines = self._lines() if self.goes_on else [head]
         if lines[:1] == [head]:
             write_text(self._path, "".join(json.dumps(line) + "\n" for line in lines))

@@ -25,6 +25,7 @@ from amorsim.core.errors import ControllerError, StudyError
 from amorsim.grading.fence import Fence
 from amorsim.grading.handed_in import HandedIn
 from amorsim.grading.process import SubmissionProcess
+from amorsim.grading.questions import Answers, answers_from
 from amorsim.kernels.cache_folder import cache_folder
 
 __all__ = ["Remote", "SubmittedEstimator"]
@@ -80,6 +81,8 @@ class Remote:
         self._fence = fence
         self._limit = self._left = _START
         self._rest = b""
+        self.answers: Answers = {}
+        """Its answers to the questions of the rubric."""
 
     def __enter__(self) -> Remote:
         self._process = SubmissionProcess(self._fence, self._memory_limit)
@@ -115,7 +118,8 @@ class Remote:
             "loading it",
             b"".join(files.values()),
         )
-        self._answer("loading it")
+        _, answers = self._answer("loading it")
+        self.answers = answers_from(answers)
         self._limit = self._left = self._time_limit
 
     def __call__(self, readings: Mapping[str, RobotReading], estimate: RobotEstimate, clock: RobotClock) -> Any:

@@ -83,7 +83,7 @@ def table_of(rubric: Rubric, grades: Sequence[Grade]) -> str:
     """The table of all submissions, as CSV."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    names = [each.measured.name for each in rubric.criteria]
+    names = [each.name for each in rubric.parts]
     writer.writerow(
         ["submission", "total", "of", *names, "cases", "without points", "first reason", "left out", "fence"]
     )
@@ -105,16 +105,16 @@ def page_of(rubric: Rubric, found: Grade) -> Page:
         ["criterion", "points", "of", "none at", "all at"],
         [
             [
-                f"{each.measured.name}{f' [{unit}]' if (unit := each.measured.metric.unit) else ''}",
-                f"{found.points_for(each.measured.name):.3g}",
+                f"{each.name}{f' [{each.unit}]' if each.unit else ''}",
+                f"{found.points_for(each.name):.3g}",
                 f"{each.points:g}",
                 *each.in_words,
             ]
-            for each in rubric.criteria
+            for each in rubric.parts
         ],
     )
     page.heading("Runs")
-    names = [each.measured.name for each in rubric.criteria]
+    names = [each.name for each in rubric.parts]
     page.table(
         ["run", *names, "points", "what happened"],
         [

@@ -7,7 +7,9 @@ from pathlib import Path
 
 import attrs
 
+from amorsim.core.errors import StudyError
 from amorsim.core.numbers import is_number
+from amorsim.grading.questions import Question, read_questions
 from amorsim.grading.seeds import MOST_SEED, Seed
 from amorsim.grading.tables import read_tables
 from amorsim.plugins.manager import default_registry
@@ -22,7 +24,7 @@ _MOST_RUNS = 10_000
 _LISTS = (("worlds", "map files, as in ['a.wld']"), ("files", "files, as in ['helper.py']"))
 _KEYS = (
     *("format", "title", "scenario", "robot", "role", "function", "files"),
-    *("runs", "practice", "seeds", "worlds", "duration", "time_limit", "memory_limit", "criteria"),
+    *("runs", "practice", "seeds", "worlds", "duration", "time_limit", "memory_limit", "criteria", "questions"),
 )
 
 
@@ -30,19 +32,31 @@ _KEYS = (
 class Criterion:
     """A metric and its points: none at the value `none`, all at `full`, in proportion between.
 
-    Of two values each, the first are for what is too small, and the second for what is too large.
+    Of two values each, the first are for what is too small, and the second for what is too large. It earns nothing in a
+    run in which the criterion `given` earns nothing: an estimate far from the truth is no better for being cautious.
     """
 
     measured: Measured
     points: float
     none: tuple[float, ...]
     full: tuple[float, ...]
+    given: str = ""
+
+    @property
+    def name(self) -> str:
+        """Its name in the rubric."""
+        return self.measured.name
+
+    @property
+    def unit(self) -> str:
+        """The unit of its values."""
+        return self.measured.metric.unit
 
     @property
     def in_words(self) -> tuple[str, str]:
         """The values that earn no points, and those that earn all."""
         none, full = ([f"{value:g}" for value in values] for values in (self.none, self.full))
-        return " and ".join(none), " to ".join(full)
+        return " and ".join(none) + (f", or without {self.given}" if self.given else ""), " to ".join(full)
 
     def share(self, value: float) -> float:
         """The share of the points that a value earns; none for nan."""
@@ -74,11 +88,17 @@ class Rubric:
     time_limit: float
     memory_limit: int
     criteria: tuple[Criterion, ...]
+    questions: tuple[Question, ...] = ()
+
+    @property
+    def parts(self) -> tuple[Criterion | Question, ...]:
+        """All that earns points."""
+        return (*self.criteria, *self.questions)
 
     @property
     def points(self) -> float:
         """All that can be earned."""
-        return sum(criterion.points for criterion in self.criteria)
+        return sum(part.points for part in self.parts)
 
 
 def read_rubric(path: str | os.PathLike[str]) -> Rubric:
@@ -118,6 +138,7 @@ def _read(top: Node, path: Path) -> Rubric | None:
             node.fault(f"expected a number > 0, got {shown(node.value)}")
         numbers[key] = default if node.value is None else node.value
     criteria = _criteria(top.child("criteria"))
+    questions = _questions(top.child("questions"), path.parent)
     if top.book.count:
         return None
     return Rubric(
@@ -135,6 +156,7 @@ def _read(top: Node, path: Path) -> Rubric | None:
         time_limit=float(numbers["time_limit"] or 0.0),
         memory_limit=int(numbers["memory_limit"] or 0),
         criteria=tuple(criteria),
+        questions=questions,
     )
 
 
@@ -175,9 +197,9 @@ def _runs(top: Node, is_practice: bool) -> tuple[int, tuple[Seed, ...]]:
 def _criteria(node: Node) -> list[Criterion]:
     if not node.expect_table("a table of criteria, as in arrived = { use = 'success', points = 5 }"):
         return []
-    found = []
+    found: list[Criterion] = []
     for name, child in node.children():
-        measured = read_metric(name, child, default_registry(), beside=("points", "none", "full"))
+        measured = read_metric(name, child, default_registry(), beside=("points", "none", "full", "given"))
         if measured is None:
             continue
         points = child.value.get("points", 1.0)
@@ -197,10 +219,29 @@ def _criteria(node: Node) -> list[Criterion]:
                 else "expected two values as for none, and between them, as in none = [0, 10], full = [1, 5]"
             )
             continue
-        found.append(Criterion(measured=measured, points=float(points), none=none, full=full))
+        given = child.value.get("given", "")
+        above = [each.name for each in found]
+        if given and given not in above:
+            child.child("given").fault(f"expected the name of a criterion above it, got {shown(given)}")
+            given = ""
+        found.append(Criterion(measured=measured, points=float(points), none=none, full=full, given=given))
     if not node.value:
         node.fault("expected one criterion at least, got none")
     return found
+
+
+def _questions(node: Node, folder: Path) -> tuple[Question, ...]:
+    """The questions in the file that is named; none where none is."""
+    if node.value is None:
+        return ()
+    name = node.text("the name of a file of questions, as in 'answers.toml'")
+    if not name:
+        return ()
+    try:
+        return read_questions(folder / name)
+    except StudyError as error:
+        node.fault(str(error))
+        return ()
 
 
 def _bounds(child: Node, key: str, default: float) -> tuple[float, ...]:

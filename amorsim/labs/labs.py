@@ -13,13 +13,14 @@ from amorsim.core.atomic_files import copy_file, write_text
 from amorsim.core.errors import StudyError
 from amorsim.core.unknown_names import no_such
 
-__all__ = ["Lab", "find_lab", "find_labs", "own_lab", "start_lab"]
+__all__ = ["HANDOUT", "Lab", "find_lab", "find_labs", "own_lab", "read_handout", "start_lab"]
 
 HANDOUT, RUBRIC, SOLUTIONS = "handout.md", "rubric.toml", "solutions"
 _PACKAGE = Path(__file__).parents[1]
 _PLACES = (_PACKAGE / "labs" / "course", _PACKAGE.parent / "docs" / "labs")  # of a wheel, and of a checkout
 _FOLDER = re.compile(r"(\d\d)-[a-z0-9-]+")
 _LINK = re.compile(r"\[([^\]]+)\]\(\.\./\.\./([^)#]+)\.md(?:#[^)]*)?\)")  # to another page of the docs
+_QUESTIONS = re.compile(r"^questions = .*\n", re.MULTILINE)  # the rubric's key for the file of the right answers
 
 
 @attrs.frozen(kw_only=True)
@@ -113,10 +114,16 @@ def own_lab(folder: Path) -> Lab:
     return Lab(number=number, title=title[:1].upper() + title[1:], about=about, folder=folder)
 
 
+def read_handout(lab: Lab) -> str:
+    """The text of a lab's handout, whose links to other pages of the docs are the names of those pages."""
+    return _LINK.sub(r"\1 (amorsim's docs: \2)", (lab.folder / HANDOUT).read_text(encoding="utf-8"))
+
+
 def start_lab(lab: Lab, folder: Path, *, solutions: bool = False) -> list[str]:
     """Copy what a lab hands out into a folder, new or empty; returns the names of the files.
 
-    Links of the handout to other pages of the docs become the names of those pages.
+    The rubric is without the right answers, unless the solutions come, too. Links of the handout to other pages of the
+    docs become the names of those pages.
 
     Raises
     ------
@@ -130,8 +137,9 @@ def start_lab(lab: Lab, folder: Path, *, solutions: bool = False) -> list[str]:
         folder.mkdir(parents=True, exist_ok=True)
         for file in files:
             if file.name == HANDOUT:
-                text = _LINK.sub(r"\1 (amorsim's docs: \2)", file.read_text(encoding="utf-8"))
-                write_text(folder / HANDOUT, text)
+                write_text(folder / HANDOUT, read_handout(lab))
+            elif file.name == RUBRIC and not solutions:
+                write_text(folder / RUBRIC, _QUESTIONS.sub("", file.read_text(encoding="utf-8")))
             else:
                 copy_file(file, folder / file.name)
         if solutions and (lab.folder / SOLUTIONS).is_dir():

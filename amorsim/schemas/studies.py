@@ -96,6 +96,7 @@ def rubric_schema(registry: Registry) -> Schema:
             "description": "the value that earns no points; or two: too small, too large",
         },
         "full": {**bound, "default": 1.0, "description": "the value that earns all points; or the least and the most"},
+        "given": {"type": "string", "description": "a criterion above it, without whose points it earns none"},
     }
     positive: Schema = {"type": "number", "exclusiveMinimum": 0}
     return {
@@ -116,6 +117,7 @@ def rubric_schema(registry: Registry) -> Schema:
             "time_limit": {**positive, "description": "of the processor, for one run [s]"},
             "memory_limit": {**positive, "description": "for one run [bytes]"},
             "criteria": {**_metrics(registry, earned, files=False), "minProperties": 1},
+            "questions": {"type": "string", "minLength": 1, "description": "the file of questions and their answers"},
         },
         "required": ["format", "scenario", "criteria"],
         "additionalProperties": False,

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from amorsim.grading import score
+from amorsim.grading.rubric import read_rubric
 from amorsim.labs import find_lab, find_labs, own_lab, start_lab
 from tests.cli.conftest import Command, amorsim
 from tests.grading.courses import fence_problem
@@ -27,7 +28,8 @@ def test_a_lab_is_begun_in_a_folder_of_its_own(amorsim: Command) -> None:
     assert "lab-6" in said
     assert "amorsim lab check lab-6" in said
     names = {path.name for path in Path("lab-6").iterdir()}
-    assert names == {"expected.png", "filter.py", "handout.md", "lab.toml", "room.wld", "rubric.toml"}
+    assert names == {"expected.png", "filter.py", "handout.ipynb", "handout.md", "lab.toml", "room.wld", "rubric.toml"}
+    assert "questions" not in Path("lab-6/rubric.toml").read_text(encoding="utf-8")
     handout = Path("lab-6/handout.md").read_text(encoding="utf-8")
     assert "](../" not in handout
     assert amorsim("check", "lab-6/lab.toml").status == 0
@@ -42,6 +44,11 @@ def test_a_lecturer_begins_with_a_copy(amorsim: Command) -> None:
     assert amorsim("lab", "new", "mine", "--from", "4").status == 0
     assert Path("mine/solutions/good.py").exists()
     assert own_lab(Path("mine")).title == find_lab(4).title
+    assert read_rubric(Path("mine/rubric.toml")).questions
+    assert amorsim("lab", "notebook", "mine").status == 0
+    assert "Lab 4" in Path("mine/handout.ipynb").read_text(encoding="utf-8")
+    (Path("mine") / "handout.md").write_text("# Mine\n\nAbout it.\n", encoding="utf-8")
+    assert "expected a section that begins with '## 2.'" in amorsim("lab", "notebook", "mine").err
 
 
 @pytest.mark.long

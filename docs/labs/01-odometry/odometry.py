@@ -4,6 +4,9 @@ import math
 
 import numpy as np
 
+# Answers to the handout's questions, by their numbers: numbers, or words in quotes.
+ANSWERS = {1: None, 2: None, 3: None}
+
 COUNTS_PER_TURN = 39400.0  # of a wheel's encoder
 RADIUS_LEFT, RADIUS_RIGHT = 0.0825, 0.0825  # [m] of the wheels, by the data sheet
 TRACK = 0.33  # [m] between the wheels, by the data sheet

@@ -2,6 +2,9 @@
 
 import amorsim as am
 
+# Answers to the handout's questions, by their numbers: numbers, or words in quotes.
+ANSWERS = {1: None, 2: None, 4: None}
+
 SPEED = 0.3  # [m/s]
 WANTED = 0.8  # [m] from the robot's middle to the wall
 

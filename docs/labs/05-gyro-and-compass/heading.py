@@ -4,6 +4,9 @@ import math
 
 import numpy as np
 
+# Answers to the handout's questions, by their numbers: numbers, or words in quotes.
+ANSWERS = {1: None, 2: None, 3: None, 4: None}
+
 METRES_PER_COUNT = 2.0 * math.pi * 0.0825 / 39400.0  # of a wheel
 GYRO_STD = math.radians(5.0)  # [rad/s] of a reading
 COMPASS_STD = math.radians(5.0)  # [rad]

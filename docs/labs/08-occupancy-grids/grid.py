@@ -4,6 +4,9 @@ import math
 
 import numpy as np
 
+# Answers to the handout's questions, by their numbers: numbers, or words in quotes.
+ANSWERS = {1: None, 2: None, 4: None}
+
 SIDE = 0.1  # [m] of a cell
 LEFT, LOW = -1.05, -1.05  # [m] where the map begins in the world
 ROWS, COLUMNS = 100, 120

@@ -4,6 +4,9 @@ import math
 
 import numpy as np
 
+# Answers to the handout's questions, by their numbers: numbers, or words in quotes.
+ANSWERS = {2: None, 3: None, 4: None}
+
 BEARINGS = np.radians(np.arange(181) - 90.0)  # [rad] of the beams, to the left above 0
 LONGEST = 8.0  # [m] of the laser
 LASER_AHEAD = 0.017, 0.008  # [m] of the robot's middle, and to the left of it

@@ -4,6 +4,9 @@ import math
 
 import numpy as np
 
+# Answers to the handout's questions, by their numbers: numbers, or words in quotes.
+ANSWERS = {1: None, 2: None, 5: None}
+
 METRES_PER_COUNT = 2.0 * math.pi * 0.0825 / 39400.0  # of a wheel
 TRACK = 0.33  # [m] between the wheels
 WHEEL_VARIANCE = 5e-4  # [m^2/m] of each wheel's travel

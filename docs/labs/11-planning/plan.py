@@ -6,6 +6,9 @@ import numpy as np
 
 import amorsim as am
 
+# Answers to the handout's questions, by their numbers: numbers, or words in quotes.
+ANSWERS = {2: None, 3: None, 4: None, 5: None}
+
 # The walls of the house (x1, y1, x2, y2) [m].
 WALLS = np.array(
     [

@@ -6,6 +6,9 @@ import numpy as np
 
 import amorsim as am
 
+# Answers to the handout's questions, by their numbers: numbers, or words in quotes.
+ANSWERS = {1: None, 2: None, 3: None}
+
 GOAL = (2.25, 8.5)  # [m] in the world
 HALF_WIDTH = 0.3  # [m] of the robot, and some room
 BEAMS = np.radians(np.arange(-90, 91))  # [rad] of the laser's ranges, to the left above 0

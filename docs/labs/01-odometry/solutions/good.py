@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 
+ANSWERS = {1: 0.0283, 2: 0.23, 3: 0.3402}
+
 COUNTS_PER_TURN = 39400.0  # of a wheel's encoder
 ED, EB = 0.9986, 1.02  # the right wheel to the left one, and the track to that of the data sheet, by UMBmark
 RADIUS_LEFT, RADIUS_RIGHT = 0.0825 * 2.0 / (ED + 1.0), 0.0825 * 2.0 / (1.0 / ED + 1.0)  # [m]

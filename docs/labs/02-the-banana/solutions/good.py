@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 
+ANSWERS = {1: 0.0316, 2: "aside", 3: "aside", 4: "a point"}
+
 METRES_PER_COUNT = 2.0 * math.pi * 0.0825 / 39400.0  # of a wheel
 TRACK = 0.33  # [m] between the wheels
 VARIANCE = 2e-4  # [m^2/m] by which a wheel's travel errs, for each metre of it

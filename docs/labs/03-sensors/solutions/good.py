@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 
+ANSWERS = {1: "scale", 2: 2.7, 3: 1.73, 4: 10}
+
 BIAS, SCALE = math.radians(0.7), 1.04  # of the gyro: measured = SCALE * true + BIAS
 METRES_PER_COUNT = 2.0 * math.pi * 0.0825 / 39400.0  # of a wheel
 

@@ -4,6 +4,8 @@ import math
 
 import amorsim as am
 
+ANSWERS = {1: 0.5, 2: 0.98, 4: "smooth"}
+
 SPEED = 0.3  # [m/s]
 WANTED = 0.8  # [m] from the robot's middle to the wall
 

@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 
+ANSWERS = {1: 12.2, 2: 1.54, 3: "west", 4: 5}
+
 METRES_PER_COUNT = 2.0 * math.pi * 0.0825 / 39400.0  # of a wheel
 GYRO_STD = math.radians(5.0)  # [rad/s] of a reading
 COMPASS_STD = math.radians(5.0)  # [rad]

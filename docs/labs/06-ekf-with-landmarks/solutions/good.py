@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 
+ANSWERS = {1: 8.5, 2: 6.28, 3: "across", 4: "consistent", 5: "up"}
+
 LANDMARKS = {1: (5.0, 0.3), 2: (9.7, 4.0), 3: (5.0, 7.7), 4: (0.3, 4.0)}  # [m] by their numbers
 METRES_PER_COUNT = 2.0 * math.pi * 0.0825 / 39400.0  # of a wheel
 TRACK = 0.33  # [m] between the wheels

@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 
+ANSWERS = {2: "larger", 3: "along", 4: "lines"}
+
 BEARINGS = np.radians(np.arange(181) - 90.0)  # [rad] of the beams, to the left above 0
 LONGEST = 8.0  # [m] of the laser
 LASER_AHEAD = 0.017, 0.008  # [m] of the robot's middle, and to the left of it

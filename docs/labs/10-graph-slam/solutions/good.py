@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 
+ANSWERS = {1: 212, 2: 3, 5: "west"}
+
 METRES_PER_COUNT = 2.0 * math.pi * 0.0825 / 39400.0  # of a wheel
 TRACK = 0.33  # [m] between the wheels
 WHEEL_VARIANCE = 5e-4  # [m^2/m] of each wheel's travel
