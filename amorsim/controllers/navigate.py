@@ -110,7 +110,7 @@ class Navigate(Controller):
     sensor: str = parameter("laser", refers="sensors", help="name of the range sensor whose readings it remembers")
     tolerance: float = parameter(0.2, unit="m", gt=0, help="distance from a goal at which it counts as reached")
     least_clearance: float | None = parameter(
-        None, unit="m", ge=0, static=True, help="kept from walls at the least; half the footprint's width if not given"
+        None, unit="m", ge=0, static=True, help="least distance from walls; half the footprint's width if not given"
     )
     recovery: tuple[str, ...] = parameter(
         ("stop", "turn", "back"), choices=_RECOVERIES, static=True, help="what it tries where it cannot go on, in turn"

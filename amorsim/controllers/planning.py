@@ -69,7 +69,7 @@ class Ways(NamedTuple):
     reach: float
     """[m] the reach of the footprint, or `narrow` if that is more."""
     narrow: float
-    """[m] kept from walls at the least."""
+    """[m] of room to walls, at least."""
     mapped: dict[str, Beliefs]
     """The mapper's beliefs in this step, once they were looked up."""
     made: dict[tuple[int, bytes, bytes], Plan]

@@ -37,5 +37,5 @@ def too_large(count: int, each: int) -> str:
     there = memory_of_machine()
     if there is None or count * each <= there:
         return ""
-    most = f": expected {there // each} at the most" if each <= there else ""
+    most = f": expected {there // each} at most" if each <= there else ""
     return f"would take {count * each / 1e9:.3g} GB of memory at least, and this machine has {there / 1e9:.3g} GB{most}"

@@ -292,7 +292,7 @@ def _of_one(expected: Parameter, kind: Any, value: Any) -> str:
             return _wrong(expected, value)
         largest = LARGEST_WHOLE if kind is int else LARGEST
         if abs(value) > largest and expected.le is None and expected.lt is None:
-            return f"expected {expected.expectation}, of {largest:g} at the most, got {in_words(value)}"
+            return f"expected {expected.expectation}, of {largest:g} at most, got {in_words(value)}"
         if expected.gt == 0 and value < SMALLEST:
             return f"expected {expected.expectation}, of {SMALLEST:g} at least, got {in_words(value)}"
     return ""

@@ -141,11 +141,13 @@ def _things(words: list[tuple[str, int]], faults: Faults) -> list[Thing]:
         if len(found) == _MOST_THINGS:
             faults.add(line, f"expected at most {_MOST_THINGS} objects")
             break
-        said = [word for word, _ in words[begin : begin + 5]]
-        if not all(_WHOLE.fullmatch(word) for word in said):
-            faults.add(line, f"expected an object of 5 whole numbers, TYPE,X,Y,ANGLE,MORE, got {','.join(said)[:60]!r}")
+        texts = [word for word, _ in words[begin : begin + 5]]
+        if not all(_WHOLE.fullmatch(word) for word in texts):
+            faults.add(
+                line, f"expected an object of 5 whole numbers, TYPE,X,Y,ANGLE,MORE, got {','.join(texts)[:60]!r}"
+            )
             continue
-        kind, x, y, degrees, _ = map(int, said)
+        kind, x, y, degrees, _ = map(int, texts)
         if kind not in (_BRICK, _LAMP, _CORK, _LAMP_OFF):
             faults.add(line, f"expected an object of type 0 (brick), 1 or 3 (lamp) or 2 (cork), got {kind}")
         elif not (0 <= x <= 1000 and 0 <= y <= 1000):

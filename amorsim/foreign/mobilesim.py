@@ -106,7 +106,7 @@ class _Reader:
         self._faults = Faults(path)
         self._section = ""
         self._rows = {"LINES": array.array("d"), "DATA": array.array("d")}
-        self._said: dict[str, float] = {}
+        self._counts: dict[str, float] = {}
         self._things: list[Thing] = []
         self._left_out: dict[str, None] = {}
         self._bounds = array.array("d")
@@ -157,7 +157,7 @@ class _Reader:
             words = text.partition(":")[2].split()
             found = self._numbers(line, words, 1)
             if found is not None:
-                self._said[key] = found[0]
+                self._counts[key] = found[0]
 
     def _cairn(self, line: int, text: str) -> None:
         found = _CAIRN.fullmatch(text)
@@ -186,12 +186,12 @@ class _Reader:
         points = np.frombuffer(self._rows["DATA"], dtype=np.float64).reshape(-1, 2)
         remarks = []
         for key, count in (("NumLines", len(segments)), ("NumPoints", len(points))):
-            if key in self._said and self._said[key] != count:
-                remarks.append(f"{key} says {self._said[key]:g}, and there are {count}")
+            if key in self._counts and self._counts[key] != count:
+                remarks.append(f"{key} says {self._counts[key]:g}, and there are {count}")
         if self._left_out:
             remarks.append(f"left out: {', '.join(list(self._left_out)[:20])}")
         bounds = np.frombuffer(self._bounds, dtype=np.float64).reshape(-1, 2)
-        spacing = self._said.get("Resolution", 0.0) / 1000.0
+        spacing = self._counts.get("Resolution", 0.0) / 1000.0
         return RobotMap(
             segments, points, tuple(self._things), spacing if spacing > 0.0 else None, bounds, tuple(remarks)
         )

@@ -51,7 +51,7 @@ def _loaded(path: Path, name: str, role: str) -> tuple[Answer, dict[str, Any]]:
     if role == "controller":
         found: Any = load_controller(path, name, {})
         command: Any = getattr(found(), "command", None) if inspect.isclass(found) else found
-        return lambda said: _as_message(command(*_arguments(said))), _answers(found)
+        return lambda message: _as_message(command(*_arguments(message))), _answers(found)
     made = load_controller(path, name, {"start": None})
     if not callable(getattr(made, "update", None)):
         raise ControllerError(
@@ -59,14 +59,14 @@ def _loaded(path: Path, name: str, role: str) -> tuple[Answer, dict[str, Any]]:
         )
     own: list[Any] = []
 
-    def estimate(said: Mapping[str, Any]) -> tuple[str, Any]:
-        if "beliefs" in said:
+    def estimate(message: Mapping[str, Any]) -> tuple[str, Any]:
+        if "beliefs" in message:
             return "beliefs", _beliefs(own[0])
-        if "start" in said:
-            own[:] = [made(start=np.array(said["start"]).view(PoseVector))]
+        if "start" in message:
+            own[:] = [made(start=np.array(message["start"]).view(PoseVector))]
             return "ready", None
-        readings = _readings(said)
-        return "estimate", _estimated(own[0].update(readings, np.array(said["command"]), said["elapsed"]))
+        readings = _readings(message)
+        return "estimate", _estimated(own[0].update(readings, np.array(message["command"]), message["elapsed"]))
 
     return estimate, _answers(made)
 
@@ -97,16 +97,16 @@ def _beliefs(own: Any) -> dict[str, Any]:
     }
 
 
-def _readings(said: Mapping[str, Any]) -> dict[str, RobotReading]:
+def _readings(message: Mapping[str, Any]) -> dict[str, RobotReading]:
     return {
         name: RobotReading(np.array(measured, dtype=np.float64), stamp, age, fresh)
-        for name, (measured, stamp, age, fresh) in said["readings"].items()
+        for name, (measured, stamp, age, fresh) in message["readings"].items()
     }
 
 
-def _arguments(said: Mapping[str, Any]) -> tuple[dict[str, RobotReading], RobotEstimate, RobotClock]:
-    pose, covariance = (np.array(part, dtype=np.float64) for part in said["estimate"])
-    return _readings(said), RobotEstimate(pose.view(PoseVector), covariance), RobotClock(*said["clock"])
+def _arguments(message: Mapping[str, Any]) -> tuple[dict[str, RobotReading], RobotEstimate, RobotClock]:
+    pose, covariance = (np.array(part, dtype=np.float64) for part in message["estimate"])
+    return _readings(message), RobotEstimate(pose.view(PoseVector), covariance), RobotClock(*message["clock"])
 
 
 def _as_message(answer: Any) -> tuple[str, Any]:

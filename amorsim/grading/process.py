@@ -64,9 +64,9 @@ class SubmissionProcess:
         finally:
             os.close(theirs)
         with os.fdopen(ours, "rb") as info:
-            said = info.read()
+            answer = info.read()
         try:
-            first = int(json.loads(said)["child-pid"])
+            first = int(json.loads(answer)["child-pid"])
             self._first = os.pidfd_open(first)
         except (ValueError, KeyError, OSError):
             self._popen.kill()

@@ -142,7 +142,7 @@ class Bitmap(MapLoader):
         if wide * high > _MOST_CELLS:
             raise MapError(
                 f"stretched to {self.size[0]:g} m x {self.size[1]:g} m it would have {wide} x {high} cells of {side:g} "
-                f"m; expected {_MOST_CELLS:g} at the most: give a coarser resolution"
+                f"m; expected {_MOST_CELLS:g} at most: give a coarser resolution"
             )
         across = ((np.arange(wide) + 0.5) * (columns / wide)).astype(np.int64)
         up = ((np.arange(high) + 0.5) * (rows / high)).astype(np.int64)

@@ -101,8 +101,8 @@ class Dxf(MapLoader):
                 raise MapError(f"nothing is drawn on a layer {name!r}.{did_you_mean(name, sorted(drawn.seen))}")
         segments = drawn.lines.segments
         if len(segments) == 0:
-            said = drawing.remarks if is_whole else (*drawing.remarks, _CUT_OFF)
-            raise MapError("it has no line" + "".join(f" ({each})" for each in said))
+            notes = drawing.remarks if is_whole else (*drawing.remarks, _CUT_OFF)
+            raise MapError("it has no line" + "".join(f" ({each})" for each in notes))
         with np.errstate(over="ignore", invalid="ignore"):  # refused by the map
             walls = segments * unit
         return Map.from_segments(

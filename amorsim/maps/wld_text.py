@@ -66,11 +66,11 @@ def with_walls(
 
 def _rewritten(line: str, where: WallLine, walls: Sequence[Wall], end: str) -> str:
     """A line for these walls in place of its own."""
-    said = [" ".join(_in_frame(wall, where.frame)) for wall in walls]
+    texts = [" ".join(_in_frame(wall, where.frame)) for wall in walls]
     four = _FOUR.fullmatch(line)
-    if where.is_plain and len(said) == 1 and four is not None:
-        return f"{four[1]}{said[0]}{four[2]}"
-    return "".join(words + end for words in said)
+    if where.is_plain and len(texts) == 1 and four is not None:
+        return f"{four[1]}{texts[0]}{four[2]}"
+    return "".join(words + end for words in texts)
 
 
 def _in_frame(wall: Wall, frame: tuple[float, float, float]) -> list[str]:

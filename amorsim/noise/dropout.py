@@ -38,7 +38,7 @@ class Dropout(Noise):
         "inf",
         choices=("inf", "last", "value"),
         static=True,
-        help="what is said in its place: no return, what was said before, or a number",
+        help="what is reported in its place: no return, what was reported before, or a number",
     )
     value: float | None = parameter(None, unit="sensor", help="what a lost value reads, with report = 'value'")
 
@@ -63,6 +63,6 @@ class Dropout(Noise):
             return super().corrupt(values, side, elapsed, state, draws)
         lost = draws.uniform(values.shape[1]) < self.probability
         last = state["last"]
-        said = np.where(lost & ~np.isnan(last), last, values)
-        state["last"] = said
-        return said
+        reported = np.where(lost & ~np.isnan(last), last, values)
+        state["last"] = reported
+        return reported

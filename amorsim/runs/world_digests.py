@@ -23,10 +23,10 @@ KEY = "worlds"
 
 def world_fingerprint(world: Map) -> str:
     """A digest of a map: of its place and its walls, or else its cells."""
-    said = repr((world.resolution, world.shape, world.origin))
+    text = repr((world.resolution, world.shape, world.origin))
     # Walls decide the cells, and there may be far more cells than can be made into an array.
     held = world.to_array() if world.segments is None else np.ascontiguousarray(world.segments)
-    return hashlib.blake2b(said.encode() + held.tobytes(), digest_size=8).hexdigest()
+    return hashlib.blake2b(text.encode() + held.tobytes(), digest_size=8).hexdigest()
 
 
 def fingerprints_of_worlds(simulation: Simulation) -> dict[str, Any]:

@@ -34,7 +34,7 @@ _AHEAD = np.zeros((1, 1))
 
 def hear(
     view: View,
-    said: Emissions,
+    emissions: Emissions,
     receivers: Array,
     half_angle: Array,
     listens: Array,
@@ -51,7 +51,7 @@ def hear(
 
     Parameters
     ----------
-    said
+    emissions
         All emissions into the medium, from the listening sensor's view.
     receivers
         World poses `(N * k, 3)` of the elements.
@@ -63,7 +63,7 @@ def hear(
     heard = np.full(listens.shape, np.inf)
     cones = np.concatenate((half_angle, range_min, range_max), axis=1)
     listeners = acoustics.Listeners(receivers, np.ascontiguousarray(listens), cones)
-    arrays: Any = map(np.ascontiguousarray, said)
+    arrays: Any = map(np.ascontiguousarray, emissions)
     emitters = acoustics.Emitters(*arrays)
     rows, k = listens.shape
     facing = _room(rows, k, emitters.time.shape[1])

@@ -127,8 +127,8 @@ class Sonar(Sensor):
         if self.medium:
             near: Any = self.range_min
             turns = self._turns(view.rows)
-            said = view.emissions(self.medium)  # now, while the view is this sensor's
-            makers["heard"] = lambda: hear(view, said, origins, half_angle, turns, near, range_max)
+            emissions = view.emissions(self.medium)  # now, while the view is this sensor's
+            makers["heard"] = lambda: hear(view, emissions, origins, half_angle, turns, near, range_max)
         return np.maximum(ranges, self.range_min), Side(**makers)
 
     def emit(self, view: View, state: State) -> Emission | None:

@@ -15,7 +15,7 @@ __all__ = ["collect", "emission_problem"]
 
 def collect(groups: list[Group], world: World) -> None:
     """Put into ``world.emissions`` what every sensor with a medium emits."""
-    said: dict[str, list[Emitted]] = {}
+    by_medium: dict[str, list[Emitted]] = {}
     for group in groups:
         for name, unit in group.sensors.items():
             medium = unit.sensor.medium
@@ -40,7 +40,7 @@ def collect(groups: list[Group], world: World) -> None:
             fired = fired & due
             replicas, each = len(world.first) - 1, poses.shape[1]
             body = np.repeat(group.bodies[:, None], each, axis=1)
-            said.setdefault(medium, []).append(
+            by_medium.setdefault(medium, []).append(
                 # A group has the same robots in every replica, in order of replica.
                 Emitted(
                     poses=poses.reshape(replicas, -1, 3),
@@ -51,7 +51,7 @@ def collect(groups: list[Group], world: World) -> None:
                     sensor=np.full(body.size // replicas, name),
                 )
             )
-    world.emissions = {medium: _joined(parts) for medium, parts in said.items()}
+    world.emissions = {medium: _joined(parts) for medium, parts in by_medium.items()}
 
 
 def emission_problem(emission: Emission, rows: int) -> str:

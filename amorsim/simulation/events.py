@@ -46,8 +46,8 @@ class Event:
         if self.kind == "controller_ended":
             return f"{head}: its controller ended"
         if self.kind == "report":
-            said = self.path.replace("_", " ")
-            return f"{head} reports: {said}" + ("" if self.value == "" else f", {self.value}")
+            words = self.path.replace("_", " ")
+            return f"{head} reports: {words}" + ("" if self.value == "" else f", {self.value}")
         if self.kind == "pose_set":
             return f"{head} was put elsewhere"
         if self.kind == "estimator_failed":

@@ -207,7 +207,7 @@ class RobotHandle(_Handle):
         wanted = finite_numbers((forward, left, turn))
         if wanted is None or max(map(abs, wanted)) > LARGEST:
             raise AmorsimError(
-                f"robot {self.name!r}: expected finite numbers for forward, turn and left, of {LARGEST:g} at the most, "
+                f"robot {self.name!r}: expected finite numbers for forward, turn and left, of {LARGEST:g} at most, "
                 f"got {in_words((forward, turn, left))}"
             )
         twists = np.zeros((group.rows, 3))

@@ -200,7 +200,7 @@ def _too_many(world: World, bodies: Sequence[Robot | Obstacle], source: str) -> 
                     bodies[members[0]],
                     source,
                     f"the {len(members)} that start at random {_where(start)} cover {area:.4g} m2, and there are "
-                    f"{room:.4g} m2 at the most",
+                    f"{room:.4g} m2 at most",
                 )
             )
     return faults

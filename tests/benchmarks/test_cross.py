@@ -50,6 +50,6 @@ def test_as_many_runs_are_good_as_published_and_more_with_the_bundled_margin():
     # Collisions come with the smallest margin, which the published runs have in 14.4 %, and with no large one.
     assert all(one.collisions == 0 for one in found if one.margin > 0.1)
     # With the margin of the bundled scenario `crossing`, more than 65.6 % are good: of twelve at least as many as
-    # nineteen of twenty samples of a share of 65.6 % have at the most.
+    # nineteen of twenty samples of a share of 65.6 % have at most.
     best = cross.outcomes_of("human_like", 0.1, 12, seed=7)
     assert sum(one.is_good for one in best) > binom.ppf(0.95, len(best), cross.PUBLISHED["neither"])

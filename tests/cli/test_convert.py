@@ -43,7 +43,7 @@ def test_what_is_lost_is_said_in_numbers(amorsim: Command, tmp_path: Path) -> No
     )
     am.save_map(world, tmp_path / "lab.yaml")
     result = amorsim("convert", "lab.yaml", "lab.wld")
-    assert "walls are off by 0.1 m at the most, 6 unknown cells are no longer known as such" in result.out
+    assert "walls are off by 0.1 m at most, 6 unknown cells are no longer known as such" in result.out
 
 
 def test_nothing_is_overwritten_without_force(amorsim: Command, room: Path) -> None:

@@ -157,7 +157,7 @@ def test_from_rest_the_path_depends_on_the_step_by_its_square(name, command, mos
 
 
 def test_a_cars_heading_is_off_by_no_more_than_the_page_says():
-    """A steering that arrives within a step moves evenly to the end of it: v w dt^2 / (8 L cos^2 s) at the most."""
+    """A steering that arrives within a step moves evenly to the end of it: v w dt^2 / (8 L cos^2 s) at most."""
     drive = stack([make("ackermann rear")])
     speed, rate, wheelbase, dt = 0.9, 1.5, 0.5, 0.1
     largest = 0.0

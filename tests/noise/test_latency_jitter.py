@@ -76,7 +76,7 @@ def test_readings_keep_their_order_and_say_of_when_they_are():
     moved = np.diff(stamp, axis=0) > 0
     assert (fresh[1:][moved]).all()
     assert not fresh[1:][~moved & (stamp[1:] > 0)].any()
-    # Latency and jitter together span 0 to 0.7 s: seven steps at the most, once the first can have come.
+    # Latency and jitter together span 0 to 0.7 s: seven steps at most, once the first can have come.
     assert (ticks - stamp)[7:].max() <= 7
     assert set(np.unique((ticks - stamp)[10:])) >= {0, 1, 2, 3}
 

@@ -53,7 +53,7 @@ def test_what_no_robot_has_is_refused(make: Any, name: str) -> None:
 
 
 def test_the_widest_bounds_are_said() -> None:
-    with pytest.raises(ParameterError, match=r"expected a number \[m\] > 0, of 1e\+12 at the most, got 1000"):
+    with pytest.raises(ParameterError, match=r"expected a number \[m\] > 0, of 1e\+12 at most, got 1000"):
         Laser(range_max=1e13)
     with pytest.raises(ParameterError, match=r"expected a number \[m\] > 0, of 1e-12 at least, got 1e-13"):
         Laser(range_max=1e-13)

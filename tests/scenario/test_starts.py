@@ -115,8 +115,8 @@ def test_more_than_there_is_room_for_is_reported_before_a_try_is_made(monkeypatc
         am.ScenarioError, match=r"obstacles.o000.start: the 1000 .* in the box 0.5, .* cover 31.37 m2"
     ) as caught:
         am.Simulation(crowded(1000))
-    assert "there are 17.64 m2 at the most; expected more room" in str(caught.value)
-    with pytest.raises(am.ScenarioError, match=r"on the map cover 31.37 m2, and there are 30 m2 at the most"):
+    assert "there are 17.64 m2 at most; expected more room" in str(caught.value)
+    with pytest.raises(am.ScenarioError, match=r"on the map cover 31.37 m2, and there are 30 m2 at most"):
         am.Simulation(crowded(1000, random="anywhere"))
 
 
@@ -222,8 +222,7 @@ def test_names_that_meet_are_a_fault_whatever_else_is_wrong(faults):
 def test_too_many_are_reported_clearly(read, faults):
     found = faults(SWARM.replace("count = 12", "count = 1000"))
     assert (
-        "1000 of them cover 31.37 m2, and there are 12 m2 on the map at the most: expected 382"
-        in (found["robots.0.count"])
+        "1000 of them cover 31.37 m2, and there are 12 m2 on the map at most: expected 382" in (found["robots.0.count"])
     )
     with pytest.raises(
         am.ScenarioError, match=r"robots.r\d+.start: \d+ of 250 that start at random on the map found no free"
@@ -242,7 +241,7 @@ def test_more_than_memory_holds_are_refused_before_any_is_made(faults, monkeypat
     monkeypatch.setattr(GridStart, "pose", lambda self, number, count: made.append(number) or am.Pose(x=1.0, y=1.0))
     found = faults(SWARM.replace("count = 12", "count = 900000").replace('random = "anywhere"', GRID))
     shares = re.search(
-        r"900000 of them would take ([\d.]+) GB of memory at least, .* 1 GB: expected (\d+) at the most",
+        r"900000 of them would take ([\d.]+) GB of memory at least, .* 1 GB: expected (\d+) at most",
         found["robots.0.count"],
     )
     assert shares

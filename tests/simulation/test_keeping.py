@@ -157,9 +157,7 @@ def test_a_text_is_no_list_of_names() -> None:
 def test_what_does_not_fit_into_memory_is_refused_before_it_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
     simulation = am.Simulation(one_robot(), replicas=4)
     monkeypatch.setattr(memory, "memory_of_machine", lambda: 1_000_000)
-    with pytest.raises(
-        am.AmorsimError, match=r"36000 steps of readings.laser in 4 replicas would take .* at the most;"
-    ):
+    with pytest.raises(am.AmorsimError, match=r"36000 steps of readings.laser in 4 replicas would take .* at most;"):
         simulation.run(3600.0, keep=("readings.laser",))
     assert simulation.tick == 0
     assert simulation.run(1.0, keep=("readings.laser",))

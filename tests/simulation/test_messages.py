@@ -66,7 +66,7 @@ def test_odd_values_are_reported_in_words(value):
 
 def test_a_velocity_that_is_too_large_to_be_computed_with_is_reported_in_words():
     sim = am.Simulation(building.scenario())
-    with pytest.raises(am.AmorsimError, match=r"forward, turn and left, of 1e\+12 at the most, got \(1e\+300, 0\.0, 0"):
+    with pytest.raises(am.AmorsimError, match=r"forward, turn and left, of 1e\+12 at most, got \(1e\+300, 0\.0, 0"):
         sim.robot("rover").drive(forward=1e300)
     sim.robot("rover").drive(forward=1e12, turn=-1e12)  # its drive goes as fast as it can
     sim.step()

@@ -279,11 +279,11 @@ class _Planner:
         if max(map(abs, (*low, *high))) > _FARTHEST:
             raise MapError(f"{self._world.files[0]}: its models are up to {max(map(abs, (*low, *high))):g} m away")
         plan.extent = (*low, *high)
-        said = notes.number(self._world.values, "resolution", _RESOLUTION)
-        if not said > 0.0:
-            notes.fault(self._world.values["resolution"].place, f"resolution: expected a number > 0, got {said:g}")
-            said = _RESOLUTION
-        side = said if resolution is None else resolution
+        wanted = notes.number(self._world.values, "resolution", _RESOLUTION)
+        if not wanted > 0.0:
+            notes.fault(self._world.values["resolution"].place, f"resolution: expected a number > 0, got {wanted:g}")
+            wanted = _RESOLUTION
+        side = wanted if resolution is None else resolution
         cells = (high[0] - low[0]) * (high[1] - low[1]) / side**2
         if cells > MOST_CELLS and plan.pictures:
             if resolution is not None:
@@ -292,7 +292,7 @@ class _Planner:
                 )
             side = _rounded(side * math.sqrt(cells / MOST_CELLS))
             plan.remarks.append(
-                f"the resolution {said:g} m, which would be {cells:.3g} cells, is taken as {side:g} m; "
+                f"the resolution {wanted:g} m, which would be {cells:.3g} cells, is taken as {side:g} m; "
                 "[world] resolution says another one"
             )
         plan.resolution = side

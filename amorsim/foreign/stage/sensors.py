@@ -149,8 +149,8 @@ def _beam(model: Model, spot: Spot, rate: float | None, notes: Notes, view: str 
 
 def _rate(model: Model, interval: float, notes: Notes) -> float | None:
     """Readings a second [Hz], where they are fewer than steps."""
-    said = notes.number(model.values, "update_interval", 0.0) / 1000.0
-    return neat(1.0 / said) if said > interval * 1.000001 else None
+    period = notes.number(model.values, "update_interval", 0.0) / 1000.0
+    return neat(1.0 / period) if period > interval * 1.000001 else None
 
 
 def _range_of(beam: _Beam) -> Table:

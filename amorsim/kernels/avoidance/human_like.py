@@ -27,7 +27,7 @@ _TOUCHING = 1e-6  # [m] that others are kept away at least, so that a robot may 
 def free_way_among(
     others: Floats, c: float, s: float, speed: float, room: float, horizon: float, moving: bool
 ) -> float:
-    """The way [m] in the direction (c, s) at `speed` [m/s] before a disc meets another, `horizon` at the most.
+    """The way [m] in the direction (c, s) at `speed` [m/s] before a disc meets another, `horizon` at most.
 
     `others` (M, 5) are places x, y [m] from the disc, velocities [m/s] and radii [m]; `room` [m] is its own radius with
     its margin. Others go on as they do, or stand unless `moving`.

@@ -47,7 +47,7 @@ class Costs(NamedTuple):
 
 @part
 def distances(points: Floats, field: Field, out: Floats) -> None:
-    """The distance [m] from the middle of each cell (S, S) to the nearest point (3, p), 1 m at the most, into `out`.
+    """The distance [m] from the middle of each cell (S, S) to the nearest point (3, p), 1 m at most, into `out`.
 
     Of points in one cell the last counts as its middle: two sweeps of a chamfer, within 4.2 % of the distance.
     """

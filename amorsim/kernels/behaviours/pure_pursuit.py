@@ -51,7 +51,7 @@ class Pace(NamedTuple):
 
 @kernel
 def _advance(path: Floats, along: Floats, s: float, most: float, loops: bool, x: float, y: float) -> float:
-    """How far along the path the place nearest to (x, y) is, from `s` on and `most` farther at the most."""
+    """How far along the path the place nearest to (x, y) is, from `s` on and `most` farther at most."""
     last = along.shape[0] - 1
     if loops:  # once round is all there is, however far it looks
         most = min(most, along[last] - along[1] + max(along[1] - s, 0.0))

@@ -62,14 +62,14 @@ def add_evidence(
         mark = (row - first_row) * window.side + start - first_col
         cell = row * area.cols + start
         # Slices that are indexed from 0 on: LLVM makes the loop a vector's.
-        said = window.marks[mark : mark + count]
+        states = window.marks[mark : mark + count]
         held = cells[cell : cell + count]
         for i in range(count):
             before = held[i]
             known = np.float32(0.0) if math.isnan(before) else before
             hit = min(known + evidence.hit, evidence.most)
             miss = max(known + evidence.miss, evidence.least)
-            held[i] = miss if said[i] == MISSED else (hit if said[i] == HIT else before)
+            held[i] = miss if states[i] == MISSED else (hit if states[i] == HIT else before)
 
 
 @kernel
@@ -107,12 +107,12 @@ def add_counts(
         for r in range(max(row, 0), min(row + window.side, area.rows)):
             mark = (r - row) * window.side + start - col
             cell = r * area.cols + start
-            said = window.marks[mark : mark + count]
+            states = window.marks[mark : mark + count]
             hits = hit_counts[i, cell : cell + count]
             misses = miss_counts[i, cell : cell + count]
             for j in range(count):
-                hits[j] += 1 if said[j] == HIT else 0
-                misses[j] += 1 if said[j] == MISSED else 0
+                hits[j] += 1 if states[j] == HIT else 0
+                misses[j] += 1 if states[j] == MISSED else 0
 
 
 @kernel

@@ -115,14 +115,14 @@ class Setter:
 
     def _drop_error(self, error: Path_) -> None:
         """Remove an error from the file where the same holds without it."""
-        said = found_at(self._editor.values, error)
-        if said is MISSING or not is_error(said):
+        present = found_at(self._editor.values, error)
+        if present is MISSING or not is_error(present):
             return
         rest = without(self._editor.values, error)
         for length in range(len(error) - 1, errors_in(error), -1):  # an empty table would hide the model's
             if found_at(rest, error[:length]) == {}:
                 rest = without(rest, error[:length])
-        if meaning_of(found_at(self._origins.merged(rest, error), error)) == meaning_of(said):
+        if meaning_of(found_at(self._origins.merged(rest, error), error)) == meaning_of(present):
             self._drop(error)
 
     def _set_table(self, at: Path_, written: dict[str, Any], value: dict[str, Any]) -> None:

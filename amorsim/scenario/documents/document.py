@@ -399,5 +399,5 @@ class Document:
             else:
                 name = copied(named, file, values, copies, self._registry)
             if name != named.name:
-                other._editor.set(named.at, named.said(name))
+                other._editor.set(named.at, named.spelled(name))
         return other.text

@@ -28,7 +28,7 @@ class NamedFile(NamedTuple):
     name: str
     rest: str = ""  # of a program: ":" and what is meant in it
 
-    def said(self, name: str) -> str:
+    def spelled(self, name: str) -> str:
         """The value for another name of the file."""
         return name + self.rest
 
@@ -89,7 +89,7 @@ def renamed(values: dict[str, Any], registry: Registry, here: Path, folder: Path
     for named in named_files(values, registry, here):
         holder = found_at(found, named.at[:-1])
         file = Path(os.path.abspath(here / named.name))  # noqa: PTH100 - a link keeps the name that it was given
-        holder[named.at[-1]] = named.said(near(file, folder))
+        holder[named.at[-1]] = named.spelled(near(file, folder))
     return found
 
 

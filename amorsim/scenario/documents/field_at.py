@@ -209,11 +209,11 @@ def _unit(values: Mapping[str, Any], sensor: Path_, number: int, registry: Regis
 
 
 def _of_map(values: Mapping[str, Any], table: Path_, rest: Path_, registry: Registry, folder: Path) -> _At | None:
-    said = found_at(values, table)
-    name = said.get("map") if isinstance(said, dict) else None
+    written = found_at(values, table)
+    name = written.get("map") if isinstance(written, dict) else None
     if not isinstance(name, str):
         return None
-    use = said.get("use")
+    use = written.get("use")
     try:
         _, cls = find_loader(folder / name, use if isinstance(use, str) else None, registry)
     except (MapError, PluginError):

@@ -104,14 +104,14 @@ class Origins:
         robot, _ = self._robot(root["robots"][path[1]])
         return {**root, "robots": [robot if i == path[1] else each for i, each in enumerate(root["robots"])]}
 
-    def _robot(self, said: dict[str, Any]) -> tuple[dict[str, Any], FaultCollector]:
-        if self._merged is None or not (self._merged[0] is said or are_same(self._merged[0], said)):
+    def _robot(self, written: dict[str, Any]) -> tuple[dict[str, Any], FaultCollector]:
+        if self._merged is None or not (self._merged[0] is written or are_same(self._merged[0], written)):
             book = FaultCollector(Source(file=str(self._file), folder=self._file.parent))
-            tables = {"robots": [copy.deepcopy(said)]}
+            tables = {"robots": [copy.deepcopy(written)]}
             merge_models(tables, book, self._registry)
             (robot,) = tables["robots"]
             robot.pop("resolved_from", None)
-            self._merged = said, {**robot, **({"model": said["model"]} if "model" in said else {})}, book
+            self._merged = written, {**robot, **({"model": written["model"]} if "model" in written else {})}, book
         return self._merged[1], self._merged[2]
 
     def find(self, values: dict[str, Any], path: Path_) -> Origin | None:
@@ -127,10 +127,10 @@ class Origins:
         value = found_at(merged, at)
         if value is not MISSING and merged is not root:
             _, book = self._robot(root["robots"][at[1]])
-            said = book.source(("robots", "0", *map(str, at[2:])))
-            if said.kind != "file":
-                line = line_at(said.file, ".".join(map(str, at[said.depth :])))
-                return Origin(source=said.kind, value=value, file=Path(said.file), line=line)
+            written = book.source(("robots", "0", *map(str, at[2:])))
+            if written.kind != "file":
+                line = line_at(written.file, ".".join(map(str, at[written.depth :])))
+                return Origin(source=written.kind, value=value, file=Path(written.file), line=line)
         default = self._default(merged, at)
         return None if default is None else Origin(source="default", value=default)
 
@@ -162,8 +162,8 @@ class Origins:
 
     def is_needless(self, values: dict[str, Any], path: Path_) -> bool:
         """Whether a file names at a path the component of a model, or the one that would hold there by default."""
-        said = found_at(values, path)
-        if not isinstance(said, dict) or "use" not in said:
+        written = found_at(values, path)
+        if not isinstance(written, dict) or "use" not in written:
             return False
         under = self._inherited(without(values, path), path)
         if under is None:
@@ -175,9 +175,9 @@ class Origins:
         if field is None or not field.component or field.is_required:
             return False
         default = default_in_file(field)
-        if default == NONE or said.get("use") != default["use"]:
+        if default == NONE or written.get("use") != default["use"]:
             return False
-        return are_same(_without_defaults(said, field), _without_defaults(default, field))
+        return are_same(_without_defaults(written, field), _without_defaults(default, field))
 
     def _default(self, merged: dict[str, Any], at: Path_) -> Any:
         field = field_at(merged, at, self._registry, self._file.parent)

@@ -53,7 +53,7 @@ def override(document: Document, overrides: Iterable[str], registry: Registry) -
     for made in _apply(document, parse_settings(overrides, book), book):
         for named in list(named_files(document.values, registry, Path.cwd())):
             if named.at[: len(made)] == made:
-                whole = named.said(os.path.abspath(named.name))  # noqa: PTH100 - a link keeps its name
+                whole = named.spelled(os.path.abspath(named.name))  # noqa: PTH100 - a link keeps its name
                 document.set(".".join(map(str, named.at)), whole)
     book.raise_if_any()
 

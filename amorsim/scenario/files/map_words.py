@@ -21,7 +21,7 @@ def lost_in_words(lost: Lost) -> str:
     if lost.farthest is None:
         parts.append("which are too many to say how far they are off")
     elif lost.farthest:
-        parts.append(f"walls are off by {lost.farthest:.3g} m at the most")
+        parts.append(f"walls are off by {lost.farthest:.3g} m at most")
     if lost.unknown:
         parts.append(f"{lost.unknown} unknown cells are no longer known as such")
     if lost.has_start:

@@ -104,7 +104,7 @@ class _Trial:
         self._lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()  # None at the end of the process's answers
         self._output = 0  # bytes that programs have printed
         self._is_flood = threading.Event()
-        self._said: list[str] = []  # lines of stacks
+        self._stacks: list[str] = []  # lines of stacks
         self._ended: float | None = None  # [s] when the process was found to have ended
         self.broken: tuple[int, str, bool] | None = None
 
@@ -195,14 +195,14 @@ class _Trial:
                 line = None  # one of its own children holds the pipe
             if line is None:
                 self._take_rest()
-                if any(said.startswith("Timeout (") for said in self._said):
+                if any(line.startswith("Timeout (") for line in self._stacks):
                     return late
                 return _ending(process.wait())
             if line.startswith("{"):
                 with contextlib.suppress(ValueError):
                     answer: dict[str, Any] = json.loads(line)
                     return answer
-            self._said.append(line)
+            self._stacks.append(line)
 
     def _ask_where(self, process: subprocess.Popen[bytes]) -> None:
         """Let the process report where it is."""
@@ -216,11 +216,11 @@ class _Trial:
     def _take_rest(self) -> None:
         with contextlib.suppress(queue.Empty):
             while (line := self._lines.get(timeout=0.1)) is not None:
-                self._said.append(line)
+                self._stacks.append(line)
 
     def _in_words(self, number: int, is_loaded: bool, happened: str) -> str:
         component, program = self._programs[number]
-        line = _line(self._said, program.path)
+        line = _line(self._stacks, program.path)
         doing = f"making an object of {program.name} with the options {dict(component.options)}"
         remedy = ""
         if not is_loaded:
@@ -229,12 +229,12 @@ class _Trial:
         return f"{program.path}{f', line {line}' if line else ''}: {doing} {happened}{remedy}"
 
 
-def _line(said: Iterable[str], path: Path) -> int | None:
+def _line(printed: Iterable[str], path: Path) -> int | None:
     """The line of a file that stacks of several threads show, innermost first; of the present or the main one."""
     name = str(path).encode("ascii", "backslashreplace").decode()
     stacks: list[list[int]] = [[]]
     at = 0
-    for line in said:
+    for line in printed:
         if line.startswith(("Current thread", "Thread")):
             stacks.append([])
             at = len(stacks) - 1 if line.startswith("Current") else at

@@ -159,8 +159,8 @@ def read_program(path: Path) -> bytes:
 def _load_module(path: Path) -> ModuleType:
     data = read_program(path)
     beside = files_beside(path, data)
-    said = [data, *(part for name, file in beside.items() for part in (name.encode(), file.read_bytes()))]
-    digest = hashlib.blake2b(b"\0".join([str(path).encode(), *said]), digest_size=8).hexdigest()
+    parts = [data, *(part for name, file in beside.items() for part in (name.encode(), file.read_bytes()))]
+    digest = hashlib.blake2b(b"\0".join([str(path).encode(), *parts]), digest_size=8).hexdigest()
     # Named after its content: an edited file is another module; pickled objects of the old one stay whole.
     module_name = f"{_MODULE}{digest}"
     if module_name in sys.modules:

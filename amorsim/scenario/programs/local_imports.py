@@ -23,10 +23,10 @@ def files_beside(path: Path, data: bytes | None = None) -> dict[str, Path]:
     folder = path.parent
     found: dict[str, Path] = {}
     waiting = [path]
-    said = {path: data}
+    contents = {path: data}
     while waiting:
         file = waiting.pop()
-        for name in _imported(file, said.get(file)):
+        for name in _imported(file, contents.get(file)):
             module, package = folder / f"{name}.py", folder / name
             # A package comes before a module of the same name, as for Python.
             files = sorted(package.rglob("*.py")) if (package / "__init__.py").is_file() else [module]
@@ -59,19 +59,19 @@ def make_importable(beside: Mapping[str, Path]) -> None:
     A module that was imported so for another file stays, for what was made of it, if its content is the same; if not,
     it is imported again.
     """
-    said: dict[str, dict[str, bytes]] = {}
+    contents: dict[str, dict[str, bytes]] = {}
     places: dict[str, Path] = {}
     for key, file in beside.items():
         first, slash, _ = key.partition("/")
         name = first if slash else first.removesuffix(".py")
-        said.setdefault(name, {})[key] = file.read_bytes()
+        contents.setdefault(name, {})[key] = file.read_bytes()
         if not slash or key == f"{name}/__init__.py":
             places[name] = file
-    for name, files in said.items():
+    for name, files in contents.items():
         known = _finder.known.get(name)
         if known is None and name in sys.modules:  # another one, as for a script
             continue
-        if known is not None and known.said != files:
+        if known is not None and known.contents != files:
             for each in [each for each in sys.modules if each == name or each.startswith(f"{name}.")]:
                 del sys.modules[each]
         _finder.known[name] = _Known(places[name], files)
@@ -83,7 +83,7 @@ class _Known(NamedTuple):
     """Where a name is imported from, and the content of the files."""
 
     file: Path
-    said: Mapping[str, bytes]
+    contents: Mapping[str, bytes]
 
 
 class _Loader(SourceFileLoader):

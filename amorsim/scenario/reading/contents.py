@@ -69,7 +69,7 @@ def _not_a_scenario(document: Mapping[str, Any]) -> str:
     if len(others) < 2 or set(_KEYS[2:]) & set(document) or any(did_you_mean(key, _KEYS) for key in others):
         return ""
     keys = ", ".join([str(key)[:40] for key in document][:12])
-    other = next((f"; {said}" for key, said in _OTHERS.items() if key in document), "")
+    other = next((f"; {hint}" for key, hint in _OTHERS.items() if key in document), "")
     return f"not a scenario: expected [world] and [[robots]], got the keys {keys}{other}"
 
 

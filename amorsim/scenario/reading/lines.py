@@ -29,10 +29,10 @@ def with_lines(
     for fault in faults:
         if fault.line is None and fault.file not in files:
             files[fault.file] = _read(fault.file)
-        said = files.get(fault.file)
-        if fault.line is None and said is not None:
-            path = _numbered(said.written.values, fault.path.split(".")) if fault.path else ()
-            fault = attrs.evolve(fault, line=line_of(said.written.statements, said.layout, path, said.numbers))
+        source = files.get(fault.file)
+        if fault.line is None and source is not None:
+            path = _numbered(source.written.values, fault.path.split(".")) if fault.path else ()
+            fault = attrs.evolve(fault, line=line_of(source.written.statements, source.layout, path, source.numbers))
         elif fault.line is None and lines and not fault.file.startswith("--set"):
             parts = fault.path.split(".")
             paths = (".".join(parts[:length]) for length in range(len(parts), 0, -1))

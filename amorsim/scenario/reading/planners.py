@@ -29,15 +29,15 @@ def read_planner(name: str, overrides: Iterable[str] = (), *, registry: Registry
         With all faults of these words.
     """
     registry = registry or default_registry()
-    said: dict[str, object] = {"use": name}
+    table: dict[str, object] = {"use": name}
     book = FaultCollector(Source(file="", folder=Path()))
-    book.document = said
+    book.document = table
     for setting in parse_settings(overrides, book):
-        said[".".join(setting.path)] = setting.value
+        table[".".join(setting.path)] = setting.value
         book.set_source(setting.path, Source(file=setting.file, folder=Path.cwd(), depth=0))
     planner = None
     book.set_source(("use",), Source(file=f"--planner {name}", folder=Path(), depth=0))
-    node = Node(said, (), book)
+    node = Node(table, (), book)
     if program_in(node):
         planner = read_program_in(node, "planner")
         book.raise_if_any()

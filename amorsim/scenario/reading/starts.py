@@ -161,7 +161,7 @@ def _check_room(node: Node, body: Robot | Obstacle, start: RandomStart, count: i
     if count * body.shape.area > room:
         where = "on the map" if start.box is None else "in their box"
         node.child("count").fault(
-            f"{count} of them cover {count * body.shape.area:.4g} m2, and there are {room:.4g} m2 {where} at the most: "
+            f"{count} of them cover {count * body.shape.area:.4g} m2, and there are {room:.4g} m2 {where} at most: "
             f"expected {int(room / body.shape.area)} at the very most, or smaller ones, or more room"
         )
 

@@ -307,7 +307,7 @@ def _too_many_looks(world: World, paths: Paths, a: int, b: int) -> ContactError:
     return ContactError(
         f"{world.name(fast)!r}, of {2.0 * world.bodies.reach[fast]:.3g} m, moves points of its outline by up to "
         f"{paths.bound[fast]:.3g} m in one step, and goes along {other} so closely that its contacts cannot be found: "
-        f"they were looked for at {MOST_LOOKS} places; expected some metres a step at the most, as of a shorter dt, or "
+        f"they were looked for at {MOST_LOOKS} places; expected some metres a step at most, as of a shorter dt, or "
         "of smaller speeds and rates"
     )
 

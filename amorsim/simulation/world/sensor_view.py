@@ -211,16 +211,16 @@ class GroupView:
 
     def emissions(self, medium: str) -> Emissions:
         """The emitters of a medium; see `amorsim.contracts.View.emissions`."""
-        said = self._world.emissions[medium]
+        emitted = self._world.emissions[medium]
         replica = self._world.replica_index[self._bodies]
-        own = (said.body[replica] == self._bodies[:, None]) & (said.sensor == self.sensor)
+        own = (emitted.body[replica] == self._bodies[:, None]) & (emitted.sensor == self.sensor)
         return Emissions(
-            poses=said.poses[replica],
-            half_angle=said.half_angle[replica],
-            fired=said.fired[replica],
+            poses=emitted.poses[replica],
+            half_angle=emitted.half_angle[replica],
+            fired=emitted.fired[replica],
             own=own,
-            time=said.time[replica],
-            body=said.body[replica] % self._world.count,
+            time=emitted.time[replica],
+            body=emitted.body[replica] % self._world.count,
         )
 
     def cone(self, origins: Array, half_angle: Array, range_max: Array, traversal: str = "exact") -> Array:

@@ -159,19 +159,19 @@ def _point(work: Work, change: Change) -> None:
         raise AmorsimError(f"value: expected [x, y], got {shown(value)}")
     if not isinstance(number, int) or isinstance(number, bool) or number < 0:
         raise AmorsimError(f"number: expected that of a point, got {shown(number)}")
-    said = _own(work, path)
-    if isinstance(said, dict):  # with x and y of its own
+    written = _own(work, path)
+    if isinstance(written, dict):  # with x and y of its own
         for key, part in zip(("x", "y"), value, strict=True):
             work.document.set(f"{path}.{key}", part)
-    elif isinstance(said, list) and change.get("insert") is True:
-        work.document.set(path, [*said[:number], value, *said[number:]])
-    elif isinstance(said, list) and len(said) == 4 and not isinstance(said[0], list) and number < 2:  # a box
-        corners = [value, said[2:]] if number == 0 else [said[:2], value]
+    elif isinstance(written, list) and change.get("insert") is True:
+        work.document.set(path, [*written[:number], value, *written[number:]])
+    elif isinstance(written, list) and len(written) == 4 and not isinstance(written[0], list) and number < 2:  # a box
+        corners = [value, written[2:]] if number == 0 else [written[:2], value]
         (x0, y0), (x1, y1) = corners
         work.document.set(path, [min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)])
-    elif isinstance(said, list) and len(said) == 2 and not isinstance(said[0], list):
+    elif isinstance(written, list) and len(written) == 2 and not isinstance(written[0], list):
         work.document.set(path, value)
-    elif isinstance(said, list) and number < len(said):
+    elif isinstance(written, list) and number < len(written):
         work.document.set(f"{path}.{number}", value)
     else:
         raise AmorsimError(f"{path}: the file has no such point")
@@ -180,8 +180,8 @@ def _point(work: Work, change: Change) -> None:
 def _mount(work: Work, change: Change) -> None:
     path, value = f"{_path(change)}.mount", change.get("value")
     for key, part in _numbers_of(value, ("x", "y", "heading_deg")).items():
-        said = _said(work, path)
-        there = said.get(key, 0.0) if isinstance(said, dict) else 0.0
+        written = _said(work, path)
+        there = written.get(key, 0.0) if isinstance(written, dict) else 0.0
         if not is_number(there) or abs(there - part) > _SAME:
             work.document.set(f"{path}.{key}", part)
 

@@ -84,12 +84,12 @@ def look(document: Document, text: str, name: str, folder: Path, registry: Regis
 
 def placed(faults: Sequence[Fault], document: Document, text: str, name: str, folder: Path) -> list[FaultAt]:
     """Faults in the words of the user's own files, with their lines in the text and the paths that they are about."""
-    said = [_said(fault, document, name, folder) for fault in faults]
-    lines = fault_lines(said, {name: text})
-    return [{**line, "at": fault.path} for line, fault in zip(lines, said, strict=True)]
+    worded = [_worded(fault, document, name, folder) for fault in faults]
+    lines = fault_lines(worded, {name: text})
+    return [{**line, "at": fault.path} for line, fault in zip(lines, worded, strict=True)]
 
 
-def _said(fault: Fault, document: Document, name: str, folder: Path) -> Fault:
+def _worded(fault: Fault, document: Document, name: str, folder: Path) -> Fault:
     for place in sorted({path.parent for path in folder.rglob("*.*")}) if folder.is_dir() else ():
         fault = attrs.evolve(fault, message=fault.message.replace(f"{place}/", ""))
     return attrs.evolve(fault, file=name) if fault.file == str(document.path) else fault

@@ -217,7 +217,7 @@ class Work:
                 if named.kind == "program" or (named.kind == "map" and path in self.files):
                     place = self.files.place(path, folder)
                     if place != path:
-                        found.set(".".join(map(str, named.at)), named.said(str(place)))
+                        found.set(".".join(map(str, named.at)), named.spelled(str(place)))
         return found
 
     # ----------------------------------------------------------------------------------------------------------- saving

@@ -69,22 +69,22 @@ def chains_of(robot: Robot, scenario: Robot) -> list[ChainForm]:
     return found
 
 
-def noises_for(robot: Robot, path: str, said: Mapping[str, Any] | None = None) -> list[Choice]:
+def noises_for(robot: Robot, path: str, written: Mapping[str, Any] | None = None) -> list[Choice]:
     """The noises that can stand in a chain, with forms as files spell them, in the unit of the sensor.
 
-    `said` is the table of an element that is being made, which fills the form of its noise.
+    `written` is the table of an element that is being made, which fills the form of its noise.
     """
     registry = default_registry()
     sensor = None if path == "ground" else chain_owner(robot, path)
     unit = "m" if sensor is None else sensor.unit
-    choices = choices_of("noise", registry, said=said, spelling="file", sensor_unit=unit)
+    choices = choices_of("noise", registry, written=written, spelling="file", sensor_unit=unit)
     fitting = [one for one in choices if sensor is None or not registry.get("noise", one["name"]).for_ground]
     columns = {} if sensor is None else sensor.columns()
     for one in fitting if columns else ():
         several = len(set(columns.values())) > 1
         field = _column(list(columns), several and _has_unit(registry.get("noise", one["name"])))
-        if said is not None and said.get("use") == one["name"]:
-            field["value"], field["is_given"] = said.get("column"), "column" in said
+        if written is not None and written.get("use") == one["name"]:
+            field["value"], field["is_given"] = written.get("column"), "column" in written
         one["fields"].insert(0, field)
     return fitting
 

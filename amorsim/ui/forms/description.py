@@ -152,12 +152,14 @@ def deviation_form(
     return fields
 
 
-def choices_of(kind: str, registry: Registry, *, said: Mapping[str, Any] | None = None, **options: Any) -> list[Choice]:
+def choices_of(
+    kind: str, registry: Registry, *, written: Mapping[str, Any] | None = None, **options: Any
+) -> list[Choice]:
     """The components of a kind that are registered, each with an empty form, but for the one that a table names.
 
     Parameters
     ----------
-    said
+    written
         The table, with the component's name under ``use``; it fills the form of that component.
     options
         As of `form_of`.
@@ -169,7 +171,7 @@ def choices_of(kind: str, registry: Registry, *, said: Mapping[str, Any] | None 
         except PluginError:  # it cannot be imported; see the registry's problems
             continue
         help_ = (cls.__doc__ or "").strip().splitlines()
-        values = said if said is not None and said.get("use") == name else None
+        values = written if written is not None and written.get("use") == name else None
         found.append({"name": name, "help": help_[0] if help_ else "", "fields": form_of(cls, values, **options)})
     return found
 
@@ -228,13 +230,13 @@ class _Maker:
         self._is_running = is_running
         self._registry = registry
 
-    def fields(self, cls: type, values: Any, path: str, *, is_said: bool = True, fixed: str = "") -> list[FieldForm]:
+    def fields(self, cls: type, values: Any, path: str, *, is_written: bool = True, fixed: str = "") -> list[FieldForm]:
         """The fields of a class; `fixed` is the reason why none of them can change, if what they are part of cannot."""
-        said = self._said(values)
+        written = self._in_table(values)
         found = []
         for key, parameter in self._parameters(cls).items():
             default = self._default(key, parameter)
-            value = said.get(key, default)
+            value = written.get(key, default)
             field: FieldForm = {
                 "path": f"{path}.{key}" if path else key,
                 "label": parameter.name.replace("_", " "),
@@ -242,14 +244,14 @@ class _Maker:
                 "widget": self._widget(in_file(key, parameter) if self._in_files else parameter, parameter.type),
                 "value": None if self._in_files and value == NONE else value,
                 "default": default,
-                "is_given": is_said and key in said,
+                "is_given": is_written and key in written,
                 "is_required": parameter.is_required,
                 "fixed": (fixed or why_fixed(parameter)) if self._is_running else "",
             }
             if inner := self._class_of(parameter, field):
                 part = fixed or (why_part_fixed(parameter) if self._is_running else "")
                 field["widget"]["fields"] = self.fields(
-                    inner, field["value"], field["path"], is_said=field["is_given"], fixed=part
+                    inner, field["value"], field["path"], is_written=field["is_given"], fixed=part
                 )
             found.append(field)
         return found
@@ -270,7 +272,7 @@ class _Maker:
             for name, parameter in describe(cls).items()
         }
 
-    def _said(self, values: Any) -> Mapping[str, Any]:
+    def _in_table(self, values: Any) -> Mapping[str, Any]:
         if values is None:
             return {}
         if attrs.has(type(values)):

@@ -79,13 +79,13 @@ def _spelt(robot: Robot, path: str) -> Iterator[str]:
         yield from (target, f"{target}_deg")
 
 
-def _differ(said: Any, value: Any, *, is_angle: bool) -> bool:
+def _differ(written: Any, value: Any, *, is_angle: bool) -> bool:
     """Whether a number of the document is another than the scenario's, which the command line changed then."""
-    if said == NONE or isinstance(said, bool) or isinstance(value, bool):
+    if written == NONE or isinstance(written, bool) or isinstance(value, bool):
         return False
-    if not isinstance(said, (int, float)) or not isinstance(value, (int, float)):
+    if not isinstance(written, (int, float)) or not isinstance(value, (int, float)):
         return False
-    return not math.isclose(math.radians(said) if is_angle else said, value, rel_tol=1e-9, abs_tol=1e-15)
+    return not math.isclose(math.radians(written) if is_angle else written, value, rel_tol=1e-9, abs_tol=1e-15)
 
 
 def _in_words(origin: Origin) -> str:

@@ -49,16 +49,16 @@ def deviations(table: Any, path: Path = ()) -> Iterator[tuple[Path, Any]]:
             yield from deviations(value, (*path, key))
 
 
-def fields_of(said: Any, path: str, unit: str) -> list[FieldForm]:
+def fields_of(written: Any, path: str, unit: str) -> list[FieldForm]:
     """The form of an error at a path; a number alone, or a draw, stands for the ``value``."""
-    if not isinstance(said, dict) or set(said) & set(_DRAWN):
-        return [_field(path, "value", said, unit)]
+    if not isinstance(written, dict) or set(written) & set(_DRAWN):
+        return [_field(path, "value", written, unit)]
     parts = {"scale": 1.0, "add": 0.0, "value": None, "per": "replica"}
-    if "value" in said:  # which takes the place of the others
+    if "value" in written:  # which takes the place of the others
         del parts["scale"], parts["add"]
-    elif set(said) & {"scale", "add"}:
+    elif set(written) & {"scale", "add"}:
         del parts["value"]
-    return [_field(f"{path}.{part}", part, said.get(part, default), unit) for part, default in parts.items()]
+    return [_field(f"{path}.{part}", part, written.get(part, default), unit) for part, default in parts.items()]
 
 
 def _field(path: str, part: str, value: Any, unit: str) -> FieldForm:

@@ -24,11 +24,11 @@ _NEW: dict[str, tuple[str, dict[str, Any]]] = {
 
 def described(of: ThingFields) -> Section:
     """What the scenario is about, in its own words."""
-    said = of.document.values.get("description")
+    written = of.document.values.get("description")
     section = of.section("Scenario", (), [])
     section["path"] = "description"
     field = of.text("description", "description", "what it is about, in a line", "text")
-    field |= {"path": "description", "value": said, "is_given": said is not None}
+    field |= {"path": "description", "value": written, "is_given": written is not None}
     field["widget"] = {"kind": "text", "is_optional": True}
     section["fields"] = [field]
     return section
@@ -40,8 +40,8 @@ def floor(of: ThingFields) -> Iterator[Section]:
     section["adding"] = [_adding(of, label, key, value) for label, (key, value) in _NEW.items()]
     yield section
     for key in ("markings", "drops"):
-        said = of.table.get(key)
-        for number, one in enumerate(said if isinstance(said, list) else []):
+        written = of.table.get(key)
+        for number, one in enumerate(written if isinstance(written, list) else []):
             if isinstance(one, dict):
                 yield from _thing(ThingFields(of.document, f"floor.{key}.{number}", of.registry), key, number)
 

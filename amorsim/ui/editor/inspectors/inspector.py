@@ -125,9 +125,9 @@ class _Inspector:
         known = targets(
             self.fields.class_at(("drive",)), {name: self.fields.class_at(("sensors", name)) for name in sensors}
         )
-        said = list(deviations(self.table.get("errors")))
+        written = list(deviations(self.table.get("errors")))
         section = self._as_toml("Errors", ("errors",))
-        choices = [".".join(path) for path in known if path not in dict(said)]
+        choices = [".".join(path) for path in known if path not in dict(written)]
         section["adding"] = [
             {
                 "label": "add an error",
@@ -138,7 +138,7 @@ class _Inspector:
             }
         ]
         yield section
-        for path, value in said:
+        for path, value in written:
             at = ("errors", *path)
             unit = known[path].unit if path in known else ""
             section = self.fields.section(".".join(path), at, fields_of(value, self.fields.path_of(at), unit))

@@ -48,8 +48,8 @@ def kidnappings(of: ThingFields) -> Iterator[Section]:
         }
     ]
     yield heading
-    said = of.table.get("kidnappings")
-    for number, one in enumerate(said if isinstance(said, list) else []):
+    written = of.table.get("kidnappings")
+    for number, one in enumerate(written if isinstance(written, list) else []):
         at = ("kidnappings", number)
         time = one.get("time") if isinstance(one, dict) else None
         title = f"kidnapping {number + 1}" + (f", at {time:g} s" if is_number(time) else "")
@@ -62,13 +62,13 @@ def kidnappings(of: ThingFields) -> Iterator[Section]:
 def knowledge(of: ThingFields) -> Iterator[Section]:
     """The map that the robot knows, and the landmarks."""
     table = found_at(of.table, _AT)
-    said: dict[str, Any] = table if isinstance(table, dict) else {}
-    yield _known_map(of, said)
-    yield _known_landmarks(of, said)
+    written: dict[str, Any] = table if isinstance(table, dict) else {}
+    yield _known_map(of, written)
+    yield _known_landmarks(of, written)
 
 
-def _known_map(of: ThingFields, said: Mapping[str, Any]) -> Section:
-    known = said.get("map")
+def _known_map(of: ThingFields, written: Mapping[str, Any]) -> Section:
+    known = written.get("map")
     section = of.section("Map that it knows", _AT, [])
     value = ""
     if isinstance(known, dict):
@@ -78,7 +78,7 @@ def _known_map(of: ThingFields, said: Mapping[str, Any]) -> Section:
     elif isinstance(known, str):
         value = known
         section["fields"] = _fields(of, _AT)
-    if known is not None and _is_same(said, of.document.values.get("world")):
+    if known is not None and _is_same(written, of.document.values.get("world")):
         value, section["fields"] = WORLD, []
     files = map_files(of.folder, of.registry)
     section["use"] = {
@@ -102,14 +102,14 @@ def _seed(of: ThingFields, known: Mapping[str, Any]) -> FieldForm:
     return seed
 
 
-def _is_same(said: Mapping[str, Any], world: Any) -> bool:
+def _is_same(written: Mapping[str, Any], world: Any) -> bool:
     """Whether a table of knowledge names the world's own map, and reads it as the world does."""
-    own = {key: value for key, value in said.items() if key != "landmarks"}
+    own = {key: value for key, value in written.items() if key != "landmarks"}
     return isinstance(world, dict) and own.get("map") == world.get("map") and (set(own) == {"map"} or own == world)
 
 
-def _known_landmarks(of: ThingFields, said: Mapping[str, Any]) -> Section:
-    marks = said.get("landmarks")
+def _known_landmarks(of: ThingFields, written: Mapping[str, Any]) -> Section:
+    marks = written.get("landmarks")
     at = (*_AT, "landmarks")
     section = of.section("Landmarks that it knows", at, [])
     value = ""

@@ -84,10 +84,10 @@ class ThingFields:
     def form(self, cls: type, at: At, names: tuple[str, ...] | None = None, unit: str = "") -> list[FieldForm]:
         """The fields of a class, with where each value comes from."""
         table = found_at(self.table, at) if at else self.table
-        said = table if isinstance(table, dict) else {}
+        written = table if isinstance(table, dict) else {}
         fields = form_of(
             cls,
-            said,
+            written,
             spelling="file",
             sensor_unit=unit,
             names=self._names(),

@@ -191,8 +191,8 @@ def _body(
         thing["pose"] = _numbers(pose)
     if isinstance(body, Robot):
         thing["mounts"] = [{"sensor": key, "pose": _numbers(one.mount)} for key, one in body.sensors.items()]
-    said = table.get("pose", {})
-    thing["moves"] = thing["turns"] = isinstance(said, dict)
+    written = table.get("pose", {})
+    thing["moves"] = thing["turns"] = isinstance(written, dict)
     return thing
 
 

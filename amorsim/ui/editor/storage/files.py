@@ -165,10 +165,10 @@ class Files:
         if not {path, *beside.values()} & set(differing):
             return path
         needed = beside | {path.name: path}
-        said = {key: self._data(file) for key, file in needed.items()}
-        whole = b"\0".join(part for name in sorted(said) for part in (name.encode(), said[name]))
+        data_of = {key: self._data(file) for key, file in needed.items()}
+        whole = b"\0".join(part for name in sorted(data_of) for part in (name.encode(), data_of[name]))
         own = folder / hashlib.sha256(whole).hexdigest()[:16]
-        for name, data in said.items():
+        for name, data in data_of.items():
             if not is_there(own / name):
                 (own / name).parent.mkdir(parents=True, exist_ok=True)
                 write_bytes(own / name, data)

@@ -21,8 +21,8 @@ __all__ = ["WorldMap", "take_map"]
 
 def take_map(document: Document, file: Path, options: Mapping[str, Any]) -> None:
     """Let a file be the world's map, read with these options."""
-    said = document.values.get("world")
-    for key in said if isinstance(said, dict) else ():
+    specified = document.values.get("world")
+    for key in specified if isinstance(specified, dict) else ():
         if key != "map" and key not in options:
             document.remove(f"world.{key}")
     document.set("world.map", near(file, document.path.absolute().parent))
@@ -124,7 +124,7 @@ class WorldMap:
         work.files[new].text = text
         for named in named_files(work.document.values, work.registry, work.here):
             if work.here / named.name == old:
-                work.document.set(".".join(map(str, named.at)), named.said(new.name))
+                work.document.set(".".join(map(str, named.at)), named.spelled(new.name))
 
     def free_file(self, stem: str = "") -> Path:
         """A line world next to the scenario that is not there yet, named after it or otherwise."""

@@ -60,15 +60,15 @@ class Child:
 
     Parameters
     ----------
-    said, answers
+    orders, answers
         What is read, and where answers go.
     """
 
     _source: Source
     _does: Watching
 
-    def __init__(self, said: IO[bytes], answers: IO[bytes]) -> None:
-        self._said = said
+    def __init__(self, orders: IO[bytes], answers: IO[bytes]) -> None:
+        self._orders = orders
         self._writer = Writer(answers)
         self._commands: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
         self._is_ending = threading.Event()
@@ -92,7 +92,7 @@ class Child:
     def read(self) -> None:
         """Take the session's messages, until there are no more."""
         try:
-            while (message := read_message(self._said)) is not None:
+            while (message := read_message(self._orders)) is not None:
                 kind, data = message
                 if kind != JSON:
                     continue
@@ -343,17 +343,17 @@ def main() -> None:
     """Read what to simulate as the first message, and do it."""
     # Ctrl-C is for the session, which ends this process in order.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    said = os.fdopen(os.dup(0), "rb", buffering=0)
+    orders = os.fdopen(os.dup(0), "rb", buffering=0)
     answers = os.fdopen(os.dup(1), "wb")
     # What a user's controller prints goes to the log, and never into the answers.
     os.dup2(2, 1)
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
-    first = read_message(said)
+    first = read_message(orders)
     if first is None:
         return
     order = json.loads(first[1])
-    snapshot = read_message(said) if order["carried"] else None
-    child = Child(said, answers)
+    snapshot = read_message(orders) if order["carried"] else None
+    child = Child(orders, answers)
     with contextlib.suppress(AttributeError, ValueError):
         signal.signal(signal.SIGTERM, lambda *_: child.end())
     threading.Thread(target=child.read, name="amorsim-reader", daemon=True).start()

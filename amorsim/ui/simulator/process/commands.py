@@ -186,8 +186,8 @@ class Commands(Watching):
 
     def _noises(self, command: Table) -> Answer:
         nominal = self.player.simulation.robot(self.robot_of(command)).nominal
-        said = command.get("value")
-        return {"choices": noises_for(nominal, _chain_path(command), said if isinstance(said, dict) else None)}
+        written = command.get("value")
+        return {"choices": noises_for(nominal, _chain_path(command), written if isinstance(written, dict) else None)}
 
     def _add(self, command: Table) -> Answer:
         """Put an element into a chain of noise."""
