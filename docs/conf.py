@@ -35,8 +35,9 @@ if repository := os.environ.get("AMORSIM_REPOSITORY"):
 
 
 def change_page(_, page, source):
-    """Turn links and lists into what they are on the site."""
+    """Turn links, lists and pictures into what they are on the site."""
     text = site_pages.links_to_parts(page, source[0], HERE)
+    text = site_pages.in_both_themes(page, text, HERE)
     source[0] = site_pages.as_contents(page, text)
 
 

@@ -1,4 +1,4 @@
-"""Makes the pictures of the labs' handouts: what a good solution looks like, in headless Chromium.
+"""Makes the pictures of the labs: a good solution, light and dark, and each mistake, in headless Chromium.
 
 They are looked at and not compared, so make them again only where they should look different::
 
@@ -28,7 +28,7 @@ from tests.ui.windows import CHROMIUM, FLAGS, Server, Window  # noqa: E402
 __all__ = ["make"]
 
 WIDTH, HEIGHT = 1280, 720
-PICTURE = "expected.png"
+PICTURE, DARK = "expected.png", "expected-dark.png"
 # By number: the time that is shown [s], what is plotted, and changes to the lab's files (pattern, replacement).
 SHOWN: dict[int, tuple[float, str, list[tuple[str, str]]]] = {
     1: (60.0, "apart", []),
@@ -43,24 +43,34 @@ SHOWN: dict[int, tuple[float, str, list[tuple[str, str]]]] = {
     10: (80.0, "apart", []),
     12: (20.0, "apart", []),
 }
+SEEDS = {"sharp": 2}  # in which a mistake is one, where not in the scenario's
 
 
 def make(browser: Browser, lab: Lab) -> None:
-    """Write a lab's picture beside its handout."""
+    """Write a lab's pictures beside its handout, and those of mistakes beside these."""
+    solutions = lab.folder / "solutions"
+    photograph(browser, lab, solutions / "good.py", {"light": lab.folder / PICTURE, "dark": lab.folder / DARK})
+    for mistake in sorted(solutions.glob("*.py")):
+        if mistake.stem not in ("good", "cheating"):
+            photograph(browser, lab, mistake, {"light": mistake.with_suffix(".png")})
+
+
+def photograph(browser: Browser, lab: Lab, program: Path, targets: dict[str, Path]) -> None:
+    """Write pictures, by their themes, of the window after a program has driven in a lab."""
     seconds, plotted, changes = SHOWN[lab.number]
     with tempfile.TemporaryDirectory() as work:
         for file in lab.handed_out:
             shutil.copy(file, work)
-        shutil.copy(lab.folder / "solutions" / "good.py", Path(work) / lab.handed_in.name)
+        shutil.copy(program, Path(work) / lab.handed_in.name)
         for name in ("lab.toml", lab.handed_in.name):
             path = Path(work) / name
             text = path.read_text(encoding="utf-8")
-            for pattern, replacement in changes:
+            for pattern, replacement in [*changes, (r"seed = 1\n", f"seed = {SEEDS.get(program.stem, 1)}\n")]:
                 text = re.sub(pattern, replacement, text)
             path.write_text(text, encoding="utf-8")
         server = Server(Path(work) / "lab.toml")
         try:
-            page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
+            page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT}, color_scheme="light")
             window = Window(page).open(server.address)
             left = round(10.0 * seconds)
             while left > 0:
@@ -71,7 +81,10 @@ def make(browser: Browser, lab: Lab) -> None:
             page.keyboard.press("c")
             window.see(f"numbers.choose({plotted!r})")
             page.wait_for_timeout(6000)  # until the hint is gone
-            save(page.screenshot(), lab.folder / PICTURE)
+            for theme, target in targets.items():
+                page.emulate_media(color_scheme=theme)
+                page.wait_for_timeout(1000)
+                save(page.screenshot(), target)
             page.close()
         finally:
             server.close()

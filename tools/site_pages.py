@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-__all__ = ["CONTENTS", "LONG_PAGES", "as_contents", "links_to_parts", "make_parts"]
+__all__ = ["CONTENTS", "LONG_PAGES", "as_contents", "in_both_themes", "links_to_parts", "make_parts"]
 
 LONG_PAGES = ("reference/components", "reference/python")
 """Pages whose sections of the third level become pages."""
@@ -32,6 +32,7 @@ _PLAY = r"""\g<0>
 _ALONE = "---\norphan: true\n---\n\n"  # of a page that its own list leads to, and not the table beside every page
 
 _LINK = re.compile(r"(!?\[[^\]]*\]\()([^)\s]+)(\))")
+_PICTURE = re.compile(r"^!\[([^\]]*)\]\(([^)\s]+)\.png\)$", re.MULTILINE)
 _CODE = re.compile(r"(^```.*?^```$)", re.MULTILINE | re.DOTALL)
 
 
@@ -177,3 +178,19 @@ def links_to_parts(page: str, text: str, docs: Path) -> str:
         return f"{start}{posixpath.relpath(f'{full}/{name}.md', here or '.')}{end}"
 
     return _LINK.sub(to_part, text)
+
+
+def in_both_themes(page: str, text: str, docs: Path) -> str:
+    """A page's text where each picture ``X.png`` with an ``X-dark.png`` beside it is the latter in the dark theme."""
+    folder = (docs / page).parent
+
+    def both(found: re.Match[str]) -> str:
+        words, name = found.groups()
+        if not (folder / f"{name}-dark.png").exists():
+            return found[0]
+        images = (("", "only-light"), ("-dark", "only-dark"))
+        return "\n\n".join(
+            f"```{{image}} {name}{end}.png\n:alt: {words}\n:class: {shown}\n```" for end, shown in images
+        )
+
+    return _PICTURE.sub(both, text)

@@ -46,9 +46,11 @@ class Lab:
 
     @property
     def handed_out(self) -> list[Path]:
-        """The files that a student gets: all but the solutions."""
+        """The files that a student gets: all but the solutions, and the website's dark pictures."""
         return sorted(
-            path for path in self.folder.iterdir() if path.is_file() and not path.name.startswith((".", "about-"))
+            path
+            for path in self.folder.iterdir()
+            if path.is_file() and not path.name.startswith((".", "about-")) and not path.stem.endswith("-dark")
         )
 
     @property

@@ -46,7 +46,7 @@ def test_pages_of_the_site_link_to_pages(docs: Path) -> None:
     for path in sorted(docs.rglob("*.md")):
         page = str(path.relative_to(docs).with_suffix(""))
         text = site_pages.links_to_parts(page, path.read_text(encoding="utf-8"), docs)
-        text = site_pages.as_contents(page, text)
+        text = site_pages.as_contents(page, site_pages.in_both_themes(page, text, docs))
         for link in LINK.findall(text):
             if not link.startswith("http"):
                 assert (path.parent / link).resolve().exists(), f"{page}: {link}"
@@ -56,6 +56,15 @@ def test_pages_of_the_site_link_to_pages(docs: Path) -> None:
     assert "../reference/components/laser.md" in site_pages.links_to_parts(
         "how-to/come-from-another-simulator", text, docs
     )
+
+
+def test_a_picture_with_a_dark_one_beside_it_has_both(tmp_path: Path) -> None:
+    for name in ("a.png", "a-dark.png", "b.png"):
+        (tmp_path / name).touch()
+    found = site_pages.in_both_themes("page", "Text.\n\n![A](a.png)\n\n![B](b.png)\n", tmp_path)
+    assert "```{image} a.png\n:alt: A\n:class: only-light\n```" in found
+    assert "```{image} a-dark.png\n:alt: A\n:class: only-dark\n```" in found
+    assert "![B](b.png)" in found
 
 
 def test_a_number_sign_in_code_is_no_heading() -> None:

@@ -25,7 +25,7 @@ EARNED = {
         "good": (9.0, 10.0),
         "nominal": (0.0, 1.5),
         "one_way": (2.0, 5.0),
-        "cheating": (0.0, 0.5),
+        "cheating": (0.0, 0.0),
     },
     "02-the-banana": {
         "banana": (0.0, 0.0),
@@ -34,7 +34,7 @@ EARNED = {
         "one_draw": (4.5, 5.0),
         "cheating": (0.0, 0.0),
     },
-    "03-sensors": {"heading": (0.0, 0.5), "good": (9.0, 10.0), "bias_alone": (0.5, 4.0), "cheating": (0.0, 0.5)},
+    "03-sensors": {"heading": (0.0, 0.5), "good": (9.0, 10.0), "bias_alone": (0.5, 4.0), "cheating": (0.0, 0.0)},
     "04-wall-following": {"follow": (0.0, 0.0), "good": (9.0, 10.0), "swinging": (6.5, 7.5), "cheating": (0.0, 0.0)},
     "05-gyro-and-compass": {
         "heading": (0.0, 6.0),
@@ -67,13 +67,13 @@ EARNED = {
         "matcher": (0.0, 1.5),
         "good": (9.0, 10.0),
         "far_partners": (0.0, 3.0),
-        "cheating": (0.0, 1.0),
+        "cheating": (0.0, 0.0),
     },
     "10-graph-slam": {
         "graph": (0.0, 2.0),
         "good": (9.0, 10.0),
         "unwrapped": (0.0, 3.0),
-        "cheating": (0.0, 1.0),
+        "cheating": (0.0, 0.0),
     },
     "11-planning": {
         "plan": (0.0, 0.0),
