@@ -17,6 +17,7 @@ import attrs
 import pytest
 
 from amorsim.cli import main
+from amorsim.grading.questions import read_questions
 from amorsim.grading.rubric import read_rubric
 from amorsim.scenario.reading.read import loads
 from amorsim.sweeps.read import read_plan
@@ -134,6 +135,9 @@ def check_toml(block: Block, sensors: dict[str, Any]) -> None:
         return
     if "criteria" in given:
         read_rubric(block.file)
+        return
+    if "questions" in given:
+        read_questions(block.file)
         return
     text = block.text
     if "drive" in given:
