@@ -32,7 +32,9 @@ class KeptCases:
 
     def __init__(self, folder: Path) -> None:
         self._folder, self._path = folder, folder / _FILE
-        self.goes_on = self._path.is_file() and (folder / SEEDS).is_file()
+        has_seeds = (folder / SEEDS).is_file()
+        # Seeds alone: it was killed before it had begun to grade.
+        self.goes_on = has_seeds and (self._path.is_file() or len(list(folder.iterdir())) == 1)
         """Whether there is a grading to go on with."""
 
     def open(self, rubric: Path, questions: Sequence[Question], seeds: Sequence[Seed], fence: str) -> None:
@@ -47,7 +49,7 @@ class KeptCases:
         """
         rest = [*map(attrs.astuple, questions), *map(attrs.astuple, seeds)]
         head = {"rubric": hashlib.sha256(rubric.read_bytes() + repr(rest).encode()).hexdigest(), "fence": fence}
-        lines = self._lines() if self.goes_on else [head]
+        lines = self._lines() or [head]
         if lines[:1] == [head]:
             write_text(self._path, "".join(json.dumps(line) + "\n" for line in lines))
         else:
@@ -76,7 +78,9 @@ class KeptCases:
             raise RunError(f"{self._path}: cannot be written ({error.strerror or error})") from None
 
     def _lines(self) -> list[Any]:
-        found = []
+        found: list[Any] = []
+        if not self._path.is_file():
+            return found
         for line in self._path.read_text(encoding="utf-8").splitlines():
             try:
                 found.append(json.loads(line))

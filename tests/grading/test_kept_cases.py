@@ -69,6 +69,21 @@ def test_a_grading_by_another_rubric_is_left_alone(course: Path) -> None:
     assert table(course, "out") == before
 
 
+def test_a_grading_that_was_killed_before_its_first_case_goes_on(course: Path) -> None:
+    graded(course, "whole")
+    (course.parent / "out").mkdir()
+    seeds = (course.parent / "whole" / "seeds.toml").read_bytes()
+    (course.parent / "out" / "seeds.toml").write_bytes(seeds)
+    graded(course, "out")
+    assert (course.parent / "out" / "seeds.toml").read_bytes() == seeds
+    assert table(course, "out") == table(course, "whole")
+    (course.parent / "other").mkdir()
+    (course.parent / "other" / "seeds.toml").write_bytes(seeds)
+    (course.parent / "other" / "mine.txt").touch()
+    with pytest.raises(am.StudyError, match="other"):
+        graded(course, "other")
+
+
 @pytest.mark.long
 def test_several_processes_give_the_grades_of_one(course: Path) -> None:
     one, _ = graded(course, "one")

@@ -47,9 +47,11 @@ def test_equals_a_star_after_each_change(seed: int) -> None:
     check_changes(seed, 50)
 
 
-@pytest.mark.long
-def test_equals_a_star_after_each_change_of_many_maps() -> None:
-    for seed in range(200):
+@pytest.mark.parametrize(
+    "seeds", [pytest.param(30, marks=pytest.mark.long), pytest.param(200, marks=pytest.mark.nightly)]
+)
+def test_equals_a_star_after_each_change_of_many_maps(seeds: int) -> None:
+    for seed in range(seeds):
         check_changes(1000 + seed, 50)
 
 
