@@ -32,6 +32,7 @@ TASKS = {
     "amorsim/Barn-v0": "barn.toml",
     "amorsim/Crowd-v0": "crowd.toml",
     "amorsim/Doors-v0": "doors.toml",
+    "amorsim/Corridor-v0": "corridor.toml",
     "amorsim/FindYourself-v0": "find-yourself.toml",
 }
 """The scenario of each, by the name that Gymnasium has for it."""
