@@ -17,7 +17,7 @@ __all__ = ["KINDS", "package_files"]
 
 KINDS = (
     *("drive", "sensor", "noise", "controller", "estimator", "motion", "planner", "metric", "recorder"),
-    *("world_generator", "map_loader"),
+    *("task", "world_generator", "map_loader"),
 )
 """The kinds for which there is a template; a scenario loader begins better from the guide."""
 
@@ -225,6 +225,8 @@ def _tables(names: dict[str, str]) -> Iterator[str]:
     yield "[simulation]\nduration = 30.0\nseed = 1\n"
     if recorder := names.get("recorder"):
         yield f'[recording]\nalso = [{{ use = "{recorder}" }}]\n'
+    if task := names.get("task"):
+        yield f'[task]\nuse = "{task}"\n'
     yield f'[[robots]]\nname = "rover"\ncontroller = {{ use = "{names.get("controller", "wander")}" }}'
     if drive := names.get("drive"):
         yield f'shape = {{ circle = 0.25 }}\n\n[robots.drive]\nuse = "{drive}"\n'
