@@ -19,11 +19,11 @@ if TYPE_CHECKING:
     from amorsim.analysis.consistency import run_nees, run_nis
     from amorsim.analysis.differences import Comparison, Difference
     from amorsim.analysis.export import export_run
-    from amorsim.analysis.files import RunFiles
     from amorsim.analysis.measuring import measure
     from amorsim.analysis.pose_errors import PoseErrors, Statistics, ape, relation_errors, rpe
     from amorsim.analysis.recordings import read_bag, read_log, read_mcap
     from amorsim.analysis.relations import clock_offset, read_relations
+    from amorsim.analysis.run_files import RunFiles
     from amorsim.analysis.run_log import LogEntry
     from amorsim.analysis.slam_on_log import SlamResult, slam
     from amorsim.analysis.trajectory import (
@@ -48,7 +48,7 @@ _MODULES = {
     "amorsim.analysis.consistency": "run_nees run_nis",
     "amorsim.analysis.differences": "Comparison Difference",
     "amorsim.analysis.export": "export_run",
-    "amorsim.analysis.files": "RunFiles",
+    "amorsim.analysis.run_files": "RunFiles",
     "amorsim.analysis.measuring": "measure",
     "amorsim.analysis.pose_errors": "PoseErrors Statistics ape relation_errors rpe",
     "amorsim.analysis.recordings": "read_bag read_log read_mcap",

@@ -11,9 +11,9 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.analysis.files import RunFiles, Table
 from amorsim.analysis.message_values import beams_of, nanoseconds_of, quaternion
 from amorsim.analysis.own_columns import own_commands, own_readings
+from amorsim.analysis.run_files import RunFiles, Table
 from amorsim.core.atomic_files import make_folders, new_file
 from amorsim.core.errors import AnalysisError, RunError
 from amorsim.scenario.spec import MountedSensor, Robot

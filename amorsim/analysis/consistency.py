@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.algorithms.consistency import Consistency, nees, verdict
-from amorsim.analysis.files import RunFiles
 from amorsim.analysis.measuring import episode_of
+from amorsim.analysis.run_files import RunFiles
 from amorsim.core.poses import wrap_angle
 
 __all__ = ["OverTime", "run_nees", "run_nis"]

@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from amorsim.analysis.files import RunFiles
+from amorsim.analysis.run_files import RunFiles
 from amorsim.analysis.trajectory import run_trajectories, write_csv, write_kitti, write_tum
 from amorsim.core.arguments import checked, path_of
 from amorsim.core.atomic_files import replacing

@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from amorsim.analysis.files import RunFiles
 from amorsim.analysis.message_shapes import VALUES
 from amorsim.analysis.message_values import beams_of, nanoseconds_of, quaternion
 from amorsim.analysis.own_columns import own_commands, own_readings
+from amorsim.analysis.run_files import RunFiles
 from amorsim.core.atomic_files import replacing
 from amorsim.core.errors import AnalysisError
 from amorsim.scenario.spec import Robot

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.analysis.files import RunFiles
 from amorsim.analysis.own_columns import own_channels
+from amorsim.analysis.run_files import RunFiles
 from amorsim.contracts import Episode, Metric
 from amorsim.core.arguments import check_kind
 from amorsim.core.errors import AnalysisError

@@ -7,7 +7,7 @@ from collections.abc import Collection, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.analysis.files import RunFiles, Table
+from amorsim.analysis.run_files import RunFiles, Table
 from amorsim.core.errors import RunError
 from amorsim.core.unknown_names import no_such
 from amorsim.scenario.spec import Robot

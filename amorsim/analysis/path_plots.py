@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import Affine2D
 
 from amorsim.analysis.figures import TRUE, draw_ellipse, legend, tidy
-from amorsim.analysis.files import RunFiles, Table
-from amorsim.analysis.traces import Trace
+from amorsim.analysis.pose_traces import Trace
+from amorsim.analysis.run_files import RunFiles, Table
 from amorsim.core.errors import RunError
 from amorsim.core.json_files import parse_json
 from amorsim.core.shapes import Shape

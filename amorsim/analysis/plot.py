@@ -11,12 +11,12 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from amorsim.analysis.figures import save_figure
-from amorsim.analysis.files import RunFiles
 from amorsim.analysis.path_plots import draw_all_paths, draw_path
+from amorsim.analysis.pose_traces import read_trace
 from amorsim.analysis.replica_plots import draw_all_errors, draw_all_speeds, draw_ends, in_words
+from amorsim.analysis.run_files import RunFiles
 from amorsim.analysis.sensor_plots import draw_sensor
 from amorsim.analysis.time_plots import draw_error, draw_heading, draw_speed, draw_wheels
-from amorsim.analysis.traces import read_trace
 from amorsim.core.arguments import path_of
 
 __all__ = ["pictures_of", "plot_run", "unfinished"]

@@ -9,9 +9,9 @@ import numpy.typing as npt
 from matplotlib.figure import Figure
 
 from amorsim.analysis.figures import ESTIMATED, TRUE, band, draw_ellipse, legend, new_figure, tidy
-from amorsim.analysis.files import RunFiles
+from amorsim.analysis.pose_traces import Estimates, Trace
+from amorsim.analysis.run_files import RunFiles
 from amorsim.analysis.time_plots import ERRORS
-from amorsim.analysis.traces import Estimates, Trace
 
 __all__ = ["draw_all_errors", "draw_all_speeds", "draw_ends", "in_words"]
 

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.analysis.files import RunFiles
 from amorsim.analysis.own_columns import own_commands, own_readings
+from amorsim.analysis.run_files import RunFiles
 from amorsim.core.errors import AnalysisError
 from amorsim.scenario.spec import Robot
 

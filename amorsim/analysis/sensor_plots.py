@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from amorsim.analysis.figures import MEASURED, TRUE, compare, legend, new_figure, tidy, unwrapped_gaps
-from amorsim.analysis.files import RunFiles
+from amorsim.analysis.run_files import RunFiles
 from amorsim.contracts import Sensor
 from amorsim.core.errors import RunError
 

@@ -9,8 +9,8 @@ import numpy.typing as npt
 from matplotlib.figure import Figure
 
 from amorsim.analysis.figures import ESTIMATED, MEASURED, TRUE, band, compare, legend, new_figure, unwrapped_gaps
-from amorsim.analysis.files import RunFiles, Table
-from amorsim.analysis.traces import Trace
+from amorsim.analysis.pose_traces import Trace
+from amorsim.analysis.run_files import RunFiles, Table
 
 __all__ = ["ERRORS", "draw_error", "draw_heading", "draw_speed", "draw_wheels", "fit_errors"]
 

@@ -12,7 +12,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.analysis.files import RunFiles
+from amorsim.analysis.run_files import RunFiles
 from amorsim.core.arguments import check_kind, checked, path_of
 from amorsim.core.atomic_files import write_text
 from amorsim.core.errors import AnalysisError, RunError

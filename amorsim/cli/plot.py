@@ -29,8 +29,8 @@ def command(
     Of several replicas it draws all together, unless one is named. Files and titles name run, robot and seed.
     """
     try:
-        from amorsim.analysis.files import RunFiles
         from amorsim.analysis.plot import plot_run, unfinished
+        from amorsim.analysis.run_files import RunFiles
     except ModuleNotFoundError as error:
         if (error.name or "").partition(".")[0] != "matplotlib":
             raise

@@ -12,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Beliefs, Clock, Context, Draws, Measurement, RobotModel, State, parameter
+from amorsim.controllers.abilities import Course
 from amorsim.controllers.avoider import Avoider, start_moving
-from amorsim.controllers.driving import Course
 from amorsim.controllers.others import know_others, start_others
 from amorsim.kernels import elementary
 from amorsim.kernels.avoidance.guide import Guide
@@ -117,8 +117,8 @@ class Among(Avoider):
         return {"twist": state["moving"].copy(), "others": state["others"].copy()}
 
 
-class Known(NamedTuple):
-    """The knowledge with which robots choose a velocity, as in `Among.choose`."""
+class Encounter(NamedTuple):
+    """What robots know of a meeting when they choose a velocity, as in `Among.choose`."""
 
     others: Array
     own: Array
@@ -134,7 +134,7 @@ class _ByVelocity(Among):
     """The name of the belief of what each of the others leaves it, and how many numbers that is."""
 
     @abc.abstractmethod
-    def nearest(self, known: Known, dt: float, first: int, end: int, left: Array, out: Array) -> None:
+    def nearest(self, known: Encounter, dt: float, first: int, end: int, left: Array, out: Array) -> None:
         """The velocities `(N, 2)` of rows `first` to `end`, into `out`, and what the others leave them, into `left`."""
 
     def start_steering(self, context: Context) -> State:
@@ -149,7 +149,7 @@ class _ByVelocity(Among):
         """The velocities nearest to those that are wanted."""
         wanted = _wanted(target, self.speed)
         out = np.empty_like(wanted)
-        known, left = Known(others, own, wanted, radius), state[self.leaves[0]]
+        known, left = Encounter(others, own, wanted, radius), state[self.leaves[0]]
         draws.share(_WORK, lambda first, end: self.nearest(known, dt, first, end, left, out))
         return out
 
@@ -181,7 +181,7 @@ class Orca(_ByVelocity):
 
     leaves: ClassVar[tuple[str, int]] = ("borders", 4)
 
-    def nearest(self, known: Known, dt: float, first: int, end: int, left: Array, out: Array) -> None:
+    def nearest(self, known: Encounter, dt: float, first: int, end: int, left: Array, out: Array) -> None:
         """By ORCA. Of each of the others, `left` is the border of what it permits: a point and a direction [m/s]."""
         mine: Any = self
         reciprocal_velocities(*known, mine.speed, mine.horizon, dt, first, end, left, out)
@@ -259,7 +259,7 @@ class Hrvo(_ByVelocity):
 
     leaves: ClassVar[tuple[str, int]] = ("cones", 6)
 
-    def nearest(self, known: Known, dt: float, first: int, end: int, left: Array, out: Array) -> None:
+    def nearest(self, known: Encounter, dt: float, first: int, end: int, left: Array, out: Array) -> None:
         """By HRVO. Of each of the others, `left` is the cone that leads into it: apex, right and left side [m/s]."""
         mine: Any = self
         hybrid_velocities(*known, mine.speed, first, end, left, out)

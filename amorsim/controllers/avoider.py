@@ -21,12 +21,12 @@ from amorsim.contracts import (
     State,
     parameter,
 )
+from amorsim.controllers.abilities import Course, abilities, at_rest
 from amorsim.controllers.beams import beams_of, range_sensor, turned_beams
-from amorsim.controllers.driving import Course, abilities, at_rest
 from amorsim.core.errors import ComponentError
 from amorsim.kernels.avoidance.arcs import Box
 from amorsim.kernels.avoidance.guide import Guide
-from amorsim.kernels.avoidance.memory import Window, guard
+from amorsim.kernels.avoidance.seen_window import Window, guard
 from amorsim.kernels.behaviours.free_space import Sight
 
 __all__ = ["Avoider", "body_of", "guarded", "sight_of", "start_moving", "start_sight"]

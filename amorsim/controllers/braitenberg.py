@@ -20,7 +20,7 @@ from amorsim.contracts import (
     State,
     parameter,
 )
-from amorsim.controllers.driving import command_along, joints_of
+from amorsim.controllers.abilities import command_along, joints_of
 from amorsim.core.errors import ComponentError, did_you_mean
 
 __all__ = ["Braitenberg"]

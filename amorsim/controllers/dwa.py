@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Beliefs, Clock, Context, Draws, Measurement, RobotModel, State, parameter
+from amorsim.controllers.abilities import Course
 from amorsim.controllers.avoider import Avoider, body_of, sight_of
-from amorsim.controllers.driving import Course
 from amorsim.kernels.avoidance.dynamic_window import Abilities, Scene, Weights, choose_twists, keep_behind
 from amorsim.kernels.avoidance.guide import Guide
 

@@ -19,7 +19,7 @@ from amorsim.contracts import (
     State,
     parameter,
 )
-from amorsim.controllers.driving import Course, abilities
+from amorsim.controllers.abilities import Course, abilities
 from amorsim.core.errors import ComponentError, did_you_mean
 from amorsim.core.poses import compose
 from amorsim.kernels.behaviours.pure_pursuit import Pace, follow_trail

@@ -19,7 +19,7 @@ from amorsim.contracts import (
     State,
     parameter,
 )
-from amorsim.controllers.driving import Course, abilities, needs_turning_in_place
+from amorsim.controllers.abilities import Course, abilities, needs_turning_in_place
 
 __all__ = ["GoTo"]
 

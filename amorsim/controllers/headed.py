@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Beliefs, Clock, Context, Draws, Measurement, RobotModel, State, parameter
+from amorsim.controllers.abilities import Course
 from amorsim.controllers.avoider import Avoider, body_of, guarded, sight_of
-from amorsim.controllers.driving import Course
 from amorsim.kernels.avoidance.guide import Guide
 from amorsim.kernels.avoidance.histogram import choose_openings
 from amorsim.kernels.avoidance.potential import push_away

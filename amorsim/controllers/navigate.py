@@ -22,14 +22,14 @@ from amorsim.contracts import (
     State,
     parameter,
 )
+from amorsim.controllers.abilities import Course
 from amorsim.controllers.avoider import Avoider, body_of, sight_of, start_sight
-from amorsim.controllers.driving import Course
 from amorsim.controllers.dwa import Dwa
 from amorsim.controllers.planning import STATUSES, Ways, keep_searched, lay_path, no_path, turns_back_later
 from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import ParameterError
 from amorsim.kernels.avoidance.guide import Guide
-from amorsim.kernels.avoidance.memory import Window, guard, look_along, remember
+from amorsim.kernels.avoidance.seen_window import Window, guard, look_along, remember
 
 __all__ = ["Navigate"]
 

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Context, Measurement, RobotModel, State
-from amorsim.controllers.driving import Course
+from amorsim.controllers.abilities import Course
 from amorsim.core.errors import ComponentError, did_you_mean
 from amorsim.kernels import elementary
 

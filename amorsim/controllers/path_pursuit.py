@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Clock, Context, Draws, Measurement, RobotModel, State, parameter
+from amorsim.controllers.abilities import Course
 from amorsim.controllers.avoider import Avoider, body_of, guarded, sight_of
-from amorsim.controllers.driving import Course
 from amorsim.controllers.planning import PLACES
 from amorsim.controllers.pursuit import next_stops, turn_back
 from amorsim.controllers.trailer import Trailer

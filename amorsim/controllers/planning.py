@@ -18,7 +18,7 @@ from amorsim.core.errors import ComponentError, ControllerError, PlanError
 from amorsim.core.estimated_map import estimated_map
 from amorsim.core.map import Map
 from amorsim.core.shapes import Shape
-from amorsim.kernels.avoidance.memory import Window
+from amorsim.kernels.avoidance.seen_window import Window
 
 __all__ = [
     "PLACES",

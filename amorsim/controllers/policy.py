@@ -24,7 +24,7 @@ from amorsim.contracts import (
     Task,
     parameter,
 )
-from amorsim.controllers.driving import command_along, joints_of
+from amorsim.controllers.abilities import command_along, joints_of
 from amorsim.core.error_text import RAISED, error_in_words
 from amorsim.core.errors import ComponentError
 

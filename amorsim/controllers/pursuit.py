@@ -19,7 +19,7 @@ from amorsim.contracts import (
     State,
     parameter,
 )
-from amorsim.controllers.driving import Course, abilities, at_rest, heading_poses
+from amorsim.controllers.abilities import Course, abilities, at_rest, heading_poses
 from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import ParameterError
 from amorsim.kernels.behaviours import pure_pursuit

@@ -23,8 +23,7 @@ from amorsim.contracts import (
     State,
     parameter,
 )
-from amorsim.controllers.beams import beams_of, range_sensor, turned_beams
-from amorsim.controllers.driving import (
+from amorsim.controllers.abilities import (
     at_rest,
     command_along,
     curvature_max,
@@ -32,6 +31,7 @@ from amorsim.controllers.driving import (
     joints_of,
     twist_limits,
 )
+from amorsim.controllers.beams import beams_of, range_sensor, turned_beams
 from amorsim.core.errors import ComponentError
 from amorsim.core.poses import wrap_angle
 from amorsim.kernels.behaviours import wandering, wandering_car

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.map import Map
-from amorsim.core.room import joined_to
+from amorsim.core.roomiest_place import joined_to
 
 __all__ = ["shut_off"]
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from amorsim.core.errors import MapError
 from amorsim.core.map import Map
-from amorsim.core.room import inside, joined, room_about, roomiest
+from amorsim.core.roomiest_place import inside, joined, room_about, roomiest
 
 __all__ = ["LARGER", "free_places", "freest_place", "roomy_places"]
 

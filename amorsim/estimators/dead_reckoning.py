@@ -22,7 +22,7 @@ from amorsim.contracts import (
     parameter,
 )
 from amorsim.core.workers import in_turn
-from amorsim.estimators.starts import covariance_at_start, refuse_lost
+from amorsim.estimators.initial_beliefs import covariance_at_start, refuse_lost
 from amorsim.estimators.wheels import angles_of, bind_angles, bind_step, check_encoder, reckon
 from amorsim.kernels.kinematics import odometry
 

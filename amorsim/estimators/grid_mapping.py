@@ -26,9 +26,9 @@ from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import own_first
 from amorsim.core.poses import compose, relative
 from amorsim.estimators.ages import check_fresh, is_late
+from amorsim.estimators.initial_beliefs import covariance_at_start, refuse_lost
 from amorsim.estimators.map_area import MapArea, area_of, area_origins, log_odds_evidence, map_beliefs
 from amorsim.estimators.scans import Beams, beams_of, check_laser, mounts_of, scans_of
-from amorsim.estimators.starts import covariance_at_start, refuse_lost
 from amorsim.estimators.wheels import angles_of, check_encoder, check_keeps_up, is_current, reckon, sensor_of
 from amorsim.kernels.mapping import occupancy
 from amorsim.kernels.mapping.scan_cells import window_for

@@ -25,10 +25,10 @@ from amorsim.contracts import (
 from amorsim.core.parameters import own_first
 from amorsim.core.poses import compose, wrap_angle
 from amorsim.estimators.ages import check_fresh
+from amorsim.estimators.initial_beliefs import refuse_lost, start_state, with_start
 from amorsim.estimators.map_area import MapArea, area_of, area_origins, log_odds_evidence, map_beliefs
 from amorsim.estimators.scan_tracking import empty_outlines, placed
 from amorsim.estimators.scans import Beams, beams_of, check_laser
-from amorsim.estimators.starts import refuse_lost, start_state, with_start
 from amorsim.estimators.wheels import angles_of, check_encoder, check_keeps_up, is_current, reckon
 from amorsim.kernels import elementary
 from amorsim.kernels.kinematics.poses import directions

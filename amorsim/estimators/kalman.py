@@ -29,8 +29,8 @@ from amorsim.contracts import (
 )
 from amorsim.core.errors import ComponentError
 from amorsim.estimators.ages import check_fresh
+from amorsim.estimators.initial_beliefs import covariance_at_start, refuse_lost
 from amorsim.estimators.kalman_sources import SOURCES, check_sources, noise_in_words
-from amorsim.estimators.starts import covariance_at_start, refuse_lost
 from amorsim.estimators.wheels import angles_of, check_encoder, is_current, is_taken, reckon
 from amorsim.kernels.filters import compatible, ekf, landmarks, points
 from amorsim.kernels.filters.updates import MATCH, NIS, RECORD, USED, Gaussians

@@ -24,8 +24,8 @@ from amorsim.contracts import (
 from amorsim.core.errors import ComponentError
 from amorsim.core.poses import compose
 from amorsim.estimators.ages import check_fresh
+from amorsim.estimators.initial_beliefs import refuse_lost, start_state, with_start
 from amorsim.estimators.scans import beams_of, check_laser, mounts_of
-from amorsim.estimators.starts import refuse_lost, start_state, with_start
 from amorsim.estimators.wheels import angles_of, check_encoder, is_current, reckon
 from amorsim.kernels.matching import tracking
 from amorsim.kernels.matching.correlative import Window

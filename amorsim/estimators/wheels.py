@@ -13,7 +13,7 @@ from amorsim.contracts import Drive, Joint, Measurement, RobotModel
 from amorsim.core.errors import ComponentError, did_you_mean
 from amorsim.core.workers import in_turn
 from amorsim.kernels.kinematics import odometry, poses
-from amorsim.kernels.numbers import has_nan
+from amorsim.kernels.number_checks import has_nan
 
 __all__ = [
     "Reckoned",

@@ -19,7 +19,7 @@ from amorsim.core.errors import MapError, ScenarioError
 from amorsim.core.map import Map
 from amorsim.core.numbers import millimetres
 from amorsim.core.parameters import parameter
-from amorsim.foreign.names import Names
+from amorsim.foreign.robot_names import Names
 from amorsim.foreign.text import NUMBER, Faults, is_binary, read_text
 
 __all__ = ["MobileSim", "MobileSimMap", "RobotMap", "Thing", "read_robot_map"]

@@ -30,7 +30,7 @@ from amorsim.grading.remote import Remote, SubmittedEstimator
 from amorsim.grading.results import UNFENCED, Case, CaseGrade, Grade, page_of, table_of
 from amorsim.grading.rubric import Rubric, read_rubric
 from amorsim.grading.seeds import Seed, draw_seeds, read_seeds, write_seeds
-from amorsim.grading.text import as_line
+from amorsim.grading.submitted_text import as_line
 from amorsim.runs.folder import check_free
 from amorsim.scenario.reading.read import load
 from amorsim.scenario.spec import Scenario

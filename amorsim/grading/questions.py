@@ -10,7 +10,7 @@ from typing import Any
 import attrs
 
 from amorsim.core.numbers import is_number
-from amorsim.grading.tables import read_tables
+from amorsim.grading.toml_tables import read_tables
 from amorsim.scenario.reading.faults import Node, shown
 
 __all__ = ["ANSWERS", "Answers", "Question", "answers_from", "read_questions"]

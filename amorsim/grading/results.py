@@ -12,7 +12,7 @@ import attrs
 
 from amorsim.grading.rubric import Rubric
 from amorsim.grading.seeds import Seed
-from amorsim.grading.text import as_line, csv_cell
+from amorsim.grading.submitted_text import as_line, csv_cell
 from amorsim.reports.page import Page
 from amorsim.scenario.toml.literals import as_toml
 

@@ -11,7 +11,7 @@ from amorsim.core.errors import StudyError
 from amorsim.core.numbers import is_number
 from amorsim.grading.questions import Question, read_questions
 from amorsim.grading.seeds import MOST_SEED, Seed
-from amorsim.grading.tables import read_tables
+from amorsim.grading.toml_tables import read_tables
 from amorsim.plugins.manager import default_registry
 from amorsim.scenario.reading.faults import Node, shown
 from amorsim.sweeps.plan import Measured

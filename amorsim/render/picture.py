@@ -15,9 +15,9 @@ from amorsim.core.parameters import ParameterError
 from amorsim.core.patches import Patch
 from amorsim.render import marks
 from amorsim.render.canvas import FINENESS, Canvas
+from amorsim.render.labels import write_names
 from amorsim.render.legend import Item, items_of
 from amorsim.render.marks import COLOURS
-from amorsim.render.names import write_names
 from amorsim.render.robot_paths import Points, RobotPath, finite, points_of
 from amorsim.render.things import Thing, draw_thing
 from amorsim.render.words import font, in_words, round_length, shortened

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from amorsim.algorithms.intervals import mean_interval
-from amorsim.analysis.files import RunFiles
 from amorsim.analysis.measuring import episode_of
+from amorsim.analysis.run_files import RunFiles
 from amorsim.contracts import Metric
 from amorsim.metrics import Collisions, HeadingError, Nees, PathLength, PositionError, Turning
 from amorsim.render.picture_file import read_png

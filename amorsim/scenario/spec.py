@@ -34,7 +34,7 @@ from amorsim.scenario.initial_belief import InitialBelief
 from amorsim.scenario.kidnapping import Kidnapping
 from amorsim.scenario.kinds import by_name, check_colour, is_a, many
 from amorsim.scenario.knowledge import Knowledge
-from amorsim.scenario.places import first_place
+from amorsim.scenario.named_places import first_place
 from amorsim.scenario.pose import Pose
 from amorsim.scenario.random_start import RandomStart
 from amorsim.scenario.reading.columns import column_problem, not_for_sensors

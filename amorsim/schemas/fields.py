@@ -12,10 +12,21 @@ import attrs
 from amorsim.core.parameters import LARGEST, LARGEST_WHOLE, Parameter, ParameterError
 from amorsim.scenario.reading.fields import NONE, default_in_file, file_fields, in_file
 
-__all__ = ["Schema", "field_schema", "required_fields", "table_schema"]
+__all__ = ["Schema", "closed", "field_schema", "required_fields", "table_schema"]
 
 Schema = dict[str, Any]
 _PLAIN: dict[Any, str] = {bool: "boolean", str: "string"}
+
+
+def closed(properties: Schema, *, required: list[str] | None = None, about: str = "") -> Schema:
+    """A table with these keys alone."""
+    return {
+        **({"description": about} if about else {}),
+        "type": "object",
+        "properties": properties,
+        **({"required": required} if required else {}),
+        "additionalProperties": False,
+    }
 
 
 def _first_sentence(cls: type) -> str:

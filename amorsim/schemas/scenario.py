@@ -26,7 +26,7 @@ from amorsim.schemas.components import (
     sensor_fields,
     variant,
 )
-from amorsim.schemas.fields import Schema, field_schema, required_fields, table_schema
+from amorsim.schemas.fields import Schema, closed, field_schema, required_fields, table_schema
 
 __all__ = ["FORMAT_SCHEMA", "scenario_schema"]
 
@@ -47,7 +47,7 @@ _UNNAMED: Schema = {"not": _NAMED}
 def scenario_schema(registry: Registry) -> Schema:
     """The schema of a scenario, with the components, robots and devices that are registered."""
     return {
-        **_closed(
+        **closed(
             {
                 "format": FORMAT_SCHEMA,
                 "description": {"type": "string", "description": "a text for readers"},
@@ -76,17 +76,6 @@ def scenario_schema(registry: Registry) -> Schema:
     }
 
 
-def _closed(properties: Schema, *, required: list[str] | None = None, about: str = "") -> Schema:
-    """A table with these keys alone."""
-    return {
-        **({"description": about} if about else {}),
-        "type": "object",
-        "properties": properties,
-        **({"required": required} if required else {}),
-        "additionalProperties": False,
-    }
-
-
 def _list(items: Schema) -> Schema:
     return {"type": "array", "items": items}
 
@@ -103,19 +92,19 @@ def _by_name(values: Schema) -> Schema:
 
 def _geometry() -> Schema:
     shapes = [
-        _closed({"circle": _LENGTH, "x": _NUMBER, "y": _NUMBER}, required=["circle"], about="a radius [m]"),
-        _closed(
+        closed({"circle": _LENGTH, "x": _NUMBER, "y": _NUMBER}, required=["circle"], about="a radius [m]"),
+        closed(
             {"rectangle": {**_POINT, "items": _LENGTH}, "x": _NUMBER, "y": _NUMBER},
             required=["rectangle"],
             about="[LENGTH, WIDTH] [m]",
         ),
-        _closed(
+        closed(
             {"polygon": {**_list(_POINT), "minItems": 3}, "rounding": {"type": "number", "minimum": 0}},
             required=["polygon"],
             about="[[X, Y], ...] [m]",
         ),
     ]
-    poses = _closed({"poses": _list(ref("pose"))}, required=["poses"])
+    poses = closed({"poses": _list(ref("pose"))}, required=["poses"])
     return {
         "shape": {"description": "a circle, a rectangle or a polygon, in the body's frame", "oneOf": shapes},
         "pose": table_schema(Pose),
@@ -128,8 +117,8 @@ def _geometry() -> Schema:
 
 def _errors() -> Schema:
     """An error, or a table of errors below one name; no path ends with a key of an error."""
-    drawn = [_closed({key: value}, required=[key]) for key, value in distribution().items()]
-    error = _closed({**{key: ref("number") for key in ("scale", "add", "value")}, "per": _PER})
+    drawn = [closed({key: value}, required=[key]) for key, value in distribution().items()]
+    error = closed({**{key: ref("number") for key in ("scale", "add", "value")}, "per": _PER})
     below = {**_by_path(ref("error")), "propertyNames": {"not": {"enum": sorted(ERROR_KEYS)}}}
     about = "how the true value differs"
     return {
@@ -148,7 +137,7 @@ def _by_path(values: Schema) -> Schema:
 
 def _worlds(registry: Registry) -> Schema:
     """A map's file with its loader's options, or a world to generate."""
-    drawn = _closed({**distribution(), "per": _PER})
+    drawn = closed({**distribution(), "per": _PER})
     beside: Schema = {
         "seed": _SEED,
         "per": {"enum": ["study", "replica"], "description": "a world for all, or for each"},
@@ -175,8 +164,8 @@ def _worlds(registry: Registry) -> Schema:
     known = {"anyOf": [{"const": "world"}, _list({"anyOf": [_POINT, _alone(KnownLandmark)]})]}
     return {
         **found,
-        "world": {**_closed(keys, required=["map"], about="the map")},
-        "knowledge": _closed({**keys, "landmarks": known}, about="what the robot knows of the world"),
+        "world": {**closed(keys, required=["map"], about="the map")},
+        "knowledge": closed({**keys, "landmarks": known}, about="what the robot knows of the world"),
     }
 
 
@@ -201,7 +190,7 @@ def _robot(registry: Registry) -> Schema:
         "ground": chain_schema("ground"),
         "estimators": _by_name({"anyOf": [{"const": False}, ref("estimator.part")]}),
         "controller": ref("controller.part"),
-        "errors": _closed(
+        "errors": closed(
             {"drive": _by_path(ref("error")), "sensors": _by_path(ref("error")), "pose": _by_path(ref("error"))},
             about="how true parameters differ from nominal ones",
         ),
@@ -220,7 +209,7 @@ def _robot(registry: Registry) -> Schema:
     }
     has_model = {"if": {"required": ["model"]}, "else": alone}
     return {
-        **_closed(properties, about="a robot: its model, where it starts, its errors and its software"),
+        **closed(properties, about="a robot: its model, where it starts, its errors and its software"),
         "allOf": [
             has_model,
             *(_if_model(name, registry) for name in _models(registry)),
@@ -310,12 +299,12 @@ def _obstacle() -> Schema:
         "motion": ref("motion"),
         **table_schema(Obstacle, names=LOOKS)["properties"],
     }
-    return _closed(properties, required=["shape"], about="a body that is not a robot")
+    return closed(properties, required=["shape"], about="a body that is not a robot")
 
 
 def _zone() -> Schema:
     properties = {"name": NAME, "shape": ref("shape"), "pose": ref("pose"), "ground": chain_schema("ground")}
-    return _closed(properties, required=["shape"], about="a part of the floor with noise of its own for wheels")
+    return closed(properties, required=["shape"], about="a part of the floor with noise of its own for wheels")
 
 
 def _floor() -> Schema:

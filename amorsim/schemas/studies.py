@@ -6,7 +6,7 @@ from amorsim.core.parameters import describe
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.spec import Scenario
 from amorsim.schemas.components import in_a_file, registered, variant
-from amorsim.schemas.fields import Schema, field_schema, required_fields, table_schema
+from amorsim.schemas.fields import Schema, closed, field_schema, required_fields, table_schema
 from amorsim.schemas.scenario import FORMAT_SCHEMA
 from amorsim.simulation.simulation import MAX_REPLICA
 from amorsim.sweeps.read import STOPS
@@ -51,14 +51,14 @@ def _axis() -> Schema:
     count = {"type": "integer", "minimum": 1}
     ends = {"from": _NUMBER, "to": _NUMBER}
     tables: list[Schema] = [
-        _closed({"values": {"type": "array", "minItems": 1}}, ["values"]),
-        _closed({"variants": {"type": "object", "minProperties": 1}}, ["variants"]),
-        _closed({**ends, "count": count}, ["from", "to", "count"]),
-        _closed({**ends, "step": _NUMBER}, ["from", "to", "step"]),
+        closed({"values": {"type": "array", "minItems": 1}}, required=["values"]),
+        closed({"variants": {"type": "object", "minProperties": 1}}, required=["variants"]),
+        closed({**ends, "count": count}, required=["from", "to", "count"]),
+        closed({**ends, "step": _NUMBER}, required=["from", "to", "step"]),
     ]
     for kind in ("normal", "uniform"):
         drawn = {kind: _PAIR, "count": count, "seed": {"type": "integer", "minimum": 0}}
-        tables.append(_closed(drawn, [kind]))
+        tables.append(closed(drawn, required=[kind]))
     own = ("values", "variants", "from", "to", "count", "step", "normal", "uniform")
     more: Schema = {
         "type": "object",
@@ -66,10 +66,6 @@ def _axis() -> Schema:
         "additionalProperties": {"$ref": "#/$defs/axis"},
     }
     return {"anyOf": [{"type": "array", "minItems": 1}, *tables, more]}
-
-
-def _closed(properties: Schema, required: list[str]) -> Schema:
-    return {"type": "object", "properties": properties, "required": required, "additionalProperties": False}
 
 
 def _metrics(registry: Registry, beside: Schema, *, files: bool) -> Schema:

@@ -17,7 +17,7 @@ from amorsim.contracts import Aim, Context, Draws, Drive, Sensor, State, View, p
 from amorsim.core.parameters import ParameterError
 from amorsim.core.poses import compose, wrap_angle
 from amorsim.kernels import elementary
-from amorsim.sensors.tables import table_of
+from amorsim.sensors.slots import table_of
 
 __all__ = ["Camera"]
 

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Aim, Draws, Drive, Sensor, State, View, parameter
-from amorsim.sensors.tables import table_of
+from amorsim.sensors.slots import table_of
 
 __all__ = ["Fiducial"]
 

@@ -11,9 +11,9 @@ import numpy.typing as npt
 from amorsim.core.arguments import check_text
 from amorsim.core.error_text import in_words
 from amorsim.core.errors import AmorsimError, ComponentError, ScenarioError
+from amorsim.core.footprint_room import outside
 from amorsim.core.parameters import ParameterError
-from amorsim.core.starts import outside
-from amorsim.scenario.paths import with_value
+from amorsim.scenario.parameter_paths import with_value
 from amorsim.scenario.reading.chains import read_elements, tables_of, with_chain
 from amorsim.scenario.spec import Robot
 from amorsim.simulation.alike import group_key

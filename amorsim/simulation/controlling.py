@@ -23,7 +23,7 @@ from amorsim.contracts import (
 )
 from amorsim.core.error_text import RAISED
 from amorsim.core.rows import stack, take
-from amorsim.kernels.numbers import all_finite
+from amorsim.kernels.number_checks import all_finite
 from amorsim.scenario.spec import Robot
 from amorsim.simulation.beliefs import BeliefsNow, beliefs_problem, chosen
 from amorsim.simulation.error_context import ErrorContext, is_finite

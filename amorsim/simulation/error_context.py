@@ -12,7 +12,7 @@ import numpy.typing as npt
 from amorsim.contracts import Controller
 from amorsim.core.error_text import RAISED, error_in_words
 from amorsim.core.errors import AmorsimError, ComponentError, ControllerError
-from amorsim.kernels.numbers import all_finite
+from amorsim.kernels.number_checks import all_finite
 from amorsim.simulation.row_clock import RowClock
 
 __all__ = ["ErrorContext", "array_problem", "is_finite", "of_drive"]

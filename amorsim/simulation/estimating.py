@@ -24,7 +24,7 @@ from amorsim.contracts import (
 from amorsim.core.error_text import RAISED, in_words
 from amorsim.core.errors import ComponentError
 from amorsim.core.rows import stack
-from amorsim.kernels.numbers import all_finite
+from amorsim.kernels.number_checks import all_finite
 from amorsim.scenario.spec import Robot
 from amorsim.simulation.beliefs import Believer, beliefs_problem, chosen
 from amorsim.simulation.error_context import ErrorContext, array_problem, is_finite

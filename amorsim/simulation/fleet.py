@@ -12,8 +12,8 @@ import numpy.typing as npt
 
 from amorsim.core.draws import check_collisions
 from amorsim.core.errors import Fault, ScenarioError
+from amorsim.core.footprint_room import overlap_with_others, overlap_with_walls
 from amorsim.core.rows import signature
-from amorsim.core.starts import overlap_with_others, overlap_with_walls
 from amorsim.scenario.spec import Obstacle, Robot, Scenario
 from amorsim.simulation.alike import group_key
 from amorsim.simulation.contact.resolve import WALL, Movement

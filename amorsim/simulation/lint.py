@@ -12,10 +12,10 @@ import shapely
 from amorsim.contracts import Controller, Motion
 from amorsim.core.connectivity import shut_off
 from amorsim.core.errors import ComponentError, MapError
+from amorsim.core.footprint_room import out_of_reach
 from amorsim.core.map import Map
-from amorsim.core.starts import out_of_reach
-from amorsim.scenario.paths import changed
-from amorsim.scenario.places import goals_of
+from amorsim.scenario.named_places import goals_of
+from amorsim.scenario.parameter_paths import changed
 from amorsim.scenario.reading.worlds import start_of
 from amorsim.scenario.spec import Obstacle, Robot, Scenario
 from amorsim.worlds.drawn import map_of, origin_of

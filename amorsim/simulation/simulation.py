@@ -29,12 +29,12 @@ from amorsim.simulation.checked_arguments import (
     numbers_in_words,
     replica_numbers,
 )
-from amorsim.simulation.driving import drive_all
 from amorsim.simulation.events import Event
 from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.gathering import digest_of, gathered, touching_robots
 from amorsim.simulation.handle import Known, ObstacleHandle, Reading, Readings, RobotHandle, finite_numbers
 from amorsim.simulation.keeping import Keeper
+from amorsim.simulation.manual_driving import drive_all
 from amorsim.simulation.regroup import frames_as
 from amorsim.simulation.restart import begin_episode, fleet_fitting
 from amorsim.simulation.schedule import Schedule

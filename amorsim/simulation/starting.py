@@ -14,7 +14,7 @@ from amorsim.scenario.floor import Floor
 from amorsim.scenario.reading.worlds import start_of
 from amorsim.scenario.spec import Landmark, Light, Obstacle, Robot
 from amorsim.simulation.placing import draw_starts
-from amorsim.simulation.world.surroundings import Surroundings
+from amorsim.simulation.world.marks_and_lamps import Surroundings
 from amorsim.simulation.world.terrain import Terrain
 from amorsim.simulation.world.world import World
 

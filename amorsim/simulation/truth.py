@@ -11,7 +11,7 @@ import numpy.typing as npt
 from amorsim.core.distributions import STUDY, Distribution, drawn
 from amorsim.core.errors import Fault, ScenarioError, did_you_mean
 from amorsim.core.parameters import ParameterError
-from amorsim.scenario.paths import changed
+from amorsim.scenario.parameter_paths import changed
 from amorsim.scenario.spec import Deviation, Number, Robot
 
 __all__ = ["has_draws", "true_robot", "true_robots"]

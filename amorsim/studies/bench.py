@@ -12,7 +12,7 @@ from amorsim.core.map import Map
 from amorsim.core.unknown_names import no_such
 from amorsim.estimators.dead_reckoning import DeadReckoning
 from amorsim.scenario.initial_belief import InitialBelief
-from amorsim.scenario.paths import changed
+from amorsim.scenario.parameter_paths import changed
 from amorsim.scenario.spec import Deviation, Pose, Robot, Scenario
 from amorsim.simulation.truth import true_robot
 

@@ -32,7 +32,7 @@ from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import describe
 from amorsim.core.rows import stack
 from amorsim.plugins.checks import check_class
-from amorsim.scenario.places import first_place, goals_of
+from amorsim.scenario.named_places import first_place, goals_of
 from amorsim.scenario.spec import Scenario
 from amorsim.testing.bound import check_bound
 from amorsim.testing.drive import DriveTrial

@@ -33,8 +33,8 @@ from amorsim.sensors.encoder import Encoder
 from amorsim.sensors.gyro import Gyro
 from amorsim.sensors.laser import Laser
 from amorsim.sensors.sonar import Sonar
+from amorsim.simulation.world.marks_and_lamps import Surroundings
 from amorsim.simulation.world.sensor_view import GroupView
-from amorsim.simulation.world.surroundings import Surroundings
 from amorsim.simulation.world.world import World
 from amorsim.testing.variants import variants
 

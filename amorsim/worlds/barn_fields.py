@@ -17,8 +17,8 @@ from amorsim.core.errors import MapError
 from amorsim.core.parameters import parameter
 from amorsim.worlds.caves import neighbours
 from amorsim.worlds.cells import CellWorld, Sheet
-from amorsim.worlds.numbers import Numbers
 from amorsim.worlds.passable import nearest, open_parts, places_for
+from amorsim.worlds.random_numbers import Numbers
 
 __all__ = ["Barn"]
 

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from amorsim.core.errors import MapError
 from amorsim.core.parameters import parameter
 from amorsim.worlds.cells import CellWorld, Sheet
-from amorsim.worlds.numbers import Numbers
 from amorsim.worlds.passable import open_parts, places_for
+from amorsim.worlds.random_numbers import Numbers
 
 __all__ = ["Cave", "neighbours"]
 

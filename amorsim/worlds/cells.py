@@ -14,8 +14,8 @@ from amorsim.core.draws import Draws
 from amorsim.core.errors import MapError
 from amorsim.core.map import Map
 from amorsim.core.parameters import parameter
-from amorsim.worlds.numbers import Numbers
 from amorsim.worlds.passable import cells_of, nearest, without_pockets
+from amorsim.worlds.random_numbers import Numbers
 
 __all__ = ["CellWorld", "Sheet"]
 

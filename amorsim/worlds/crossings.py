@@ -6,7 +6,7 @@ import attrs
 
 from amorsim.core.parameters import parameter
 from amorsim.worlds.cells import CellWorld, Sheet
-from amorsim.worlds.numbers import Numbers
+from amorsim.worlds.random_numbers import Numbers
 
 __all__ = ["Crossing"]
 

@@ -9,8 +9,8 @@ import attrs
 from amorsim.core.errors import MapError
 from amorsim.core.parameters import parameter
 from amorsim.worlds.cells import CellWorld, Sheet
-from amorsim.worlds.numbers import Numbers
 from amorsim.worlds.passable import open_parts, places_for
+from amorsim.worlds.random_numbers import Numbers
 
 __all__ = ["Forest"]
 

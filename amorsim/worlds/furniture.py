@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from amorsim.worlds.cells import Sheet
-from amorsim.worlds.numbers import Numbers
 from amorsim.worlds.passable import cells_of
+from amorsim.worlds.random_numbers import Numbers
 
 __all__ = ["furnish"]
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from amorsim.core.errors import MapError
-from amorsim.kernels.grid.room import clear_cells, label_parts, number_parts
+from amorsim.kernels.grid.disc_places import clear_cells, label_parts, number_parts
 
 __all__ = ["cells_of", "nearest", "open_parts", "places_for", "reach_of", "without_pockets"]
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import amorsim as am
-from amorsim.analysis import files as files_module
-from amorsim.analysis.files import RunFiles
+from amorsim.analysis import run_files as files_module
+from amorsim.analysis.run_files import RunFiles
 from tests.studies import make_study
 
 

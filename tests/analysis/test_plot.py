@@ -13,8 +13,8 @@ from PIL import Image
 
 import amorsim as am
 from amorsim.analysis.figures import save_figure
-from amorsim.analysis.files import RunFiles
 from amorsim.analysis.plot import plot_run
+from amorsim.analysis.run_files import RunFiles
 from amorsim.core.atomic_files import write_text
 from tests.studies import make_study
 

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import amorsim as am
-from amorsim.analysis.files import RunFiles
+from amorsim.analysis.run_files import RunFiles
 from tests.studies import make_study
 
 SLOW = "import time\n\n\ndef drive(r, e, c, speed):\n    time.sleep(0.005)\n    return 1.0, -1.0\n"

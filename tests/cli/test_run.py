@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from PIL import Image, ImageDraw
 
-from amorsim.analysis.files import RunFiles
+from amorsim.analysis.run_files import RunFiles
 from tests.cli.conftest import Command
 
 WLD = Path(__file__).resolve().parents[3] / "shared" / "maps" / "wld"

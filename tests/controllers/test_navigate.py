@@ -9,7 +9,7 @@ import pytest
 import amorsim as am
 from amorsim.controllers.planning import Ways
 from amorsim.core.parameters import ParameterError
-from amorsim.kernels.avoidance.memory import Window
+from amorsim.kernels.avoidance.seen_window import Window
 from amorsim.scenario.files.resolved import resolved_table
 from tests.building import write_rover
 from tests.controllers.test_dwa import ROOM, make, said, simulate

@@ -8,7 +8,7 @@ import pytest
 from amorsim.core.errors import MapError
 from amorsim.core.free_places import free_places, freest_place
 from amorsim.core.map import Map
-from amorsim.core.room import roomiest
+from amorsim.core.roomiest_place import roomiest
 
 ROOM = np.array([[0, 0, 4, 0], [4, 0, 4, 3], [4, 3, 0, 3], [0, 3, 0, 0]], dtype=float)
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from amorsim.core.errors import MapError
+from amorsim.core.footprint_room import freest_start
 from amorsim.core.map import Map
 from amorsim.core.shapes import Shape
-from amorsim.core.starts import freest_start
 
 
 def test_no_room_is_said_with_the_room_that_there_is() -> None:

@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 
 from amorsim.contracts import Clock, Context, Controller, Draws, Estimate, RobotModel, State, parameter
-from amorsim.controllers.driving import command_along, joints_of, twist_limits
+from amorsim.controllers.abilities import command_along, joints_of, twist_limits
 
 __all__ = ["Anywhere"]
 

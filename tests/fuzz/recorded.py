@@ -17,7 +17,7 @@ from PIL import Image
 
 import amorsim as am
 from amorsim.analysis import export_run, read_log, read_mcap
-from amorsim.analysis.files import RunFiles
+from amorsim.analysis.run_files import RunFiles
 from amorsim.core.errors import AmorsimError
 from amorsim.reports.run import run_page
 from amorsim.reports.study import comparison_page, study_page

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from amorsim.grading.text import as_line, csv_cell
+from amorsim.grading.submitted_text import as_line, csv_cell
 
 
 @pytest.mark.parametrize(

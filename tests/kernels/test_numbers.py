@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from amorsim.kernels.numbers import all_finite, all_indices, has_nan
+from amorsim.kernels.number_checks import all_finite, all_indices, has_nan
 
 
 @pytest.mark.parametrize("place", range(4))

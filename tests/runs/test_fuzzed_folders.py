@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 
 import amorsim as am
-from amorsim.analysis.files import RunFiles
+from amorsim.analysis.run_files import RunFiles
 from amorsim.runs.compare import first_difference
 from tests.studies import make_study
 

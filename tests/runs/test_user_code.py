@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 import amorsim as am
-from amorsim.analysis.files import RunFiles
+from amorsim.analysis.run_files import RunFiles
 from tests.studies import make_study
 
 posix = pytest.mark.skipif(os.name == "nt", reason="signals and forks of POSIX")

@@ -76,7 +76,7 @@ from amorsim.runs import warm
 for other in warm._OTHERS.values():
     other()
 names = [f"amorsim.kernels.search.{module.name}" for module in pkgutil.iter_modules(search.__path__)]
-for name in [*names, "amorsim.kernels.grid.room"]:
+for name in [*names, "amorsim.kernels.grid.disc_places"]:
     for key, value in vars(importlib.import_module(name)).items():
         # Parts of kernels come from the cache within them, and tell of no signatures then.
         is_kernel = getattr(value, "__module__", "") == name and getattr(value, "targetoptions", {}).get("_nrt", True)

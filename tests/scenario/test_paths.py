@@ -9,7 +9,7 @@ import pytest
 
 import amorsim as am
 from amorsim.core.errors import ScenarioError
-from amorsim.scenario.paths import with_value
+from amorsim.scenario.parameter_paths import with_value
 from tests import building
 from tests.building import rover_text
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import amorsim as am
-from amorsim.core.starts import freest_start, wall_gaps
+from amorsim.core.footprint_room import freest_start, wall_gaps
 from amorsim.scenario.files.resolved import resolved_table
 from amorsim.scenario.files.write import table_text
 from amorsim.scenario.reading.read import loads

@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 import amorsim as am
-from amorsim.analysis.files import RunFiles
+from amorsim.analysis.run_files import RunFiles
 from amorsim.contracts import LazyBeliefs
 from amorsim.recorders.text import Text
 from amorsim.runs.tables import read_columns

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import amorsim as am
-from amorsim.analysis.files import RunFiles
+from amorsim.analysis.run_files import RunFiles
 from tests import building
 from tests.ui.recorded_runs import folder as folder  # a fixture
 from tests.ui.windows import Window, expect, new_user

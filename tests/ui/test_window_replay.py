@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from amorsim.analysis.files import RunFiles
+from amorsim.analysis.run_files import RunFiles
 from tests.ui.recorded_runs import folder as folder  # a fixture
 from tests.ui.windows import Server, Window, axe_violations, expect
 

@@ -12,7 +12,7 @@ import attrs
 from amorsim.contracts import ScenarioDocument, ScenarioLoader
 from amorsim.core.errors import Fault, MapError, ScenarioError
 from amorsim.core.parameters import parameter
-from amorsim.foreign.names import Names
+from amorsim.foreign.robot_names import Names
 from amorsim.foreign.stage.entities import Model, World, read_world
 from amorsim.foreign.stage.geometry import Spot, moved, neat, polygons, vertices
 from amorsim.foreign.stage.notes import Notes

@@ -19,7 +19,7 @@ from amorsim.motions.user import UserMotion
 from amorsim.scenario.programs.controller_files import is_controller_file, split_reference
 from amorsim.scenario.programs.program_text import check_program
 from amorsim.scenario.reading.faults import Node
-from amorsim.scenario.reading.values import check_values
+from amorsim.scenario.reading.plain_values import check_values
 
 __all__ = ["USER_CODE", "program_in", "read_program_in"]
 

@@ -10,7 +10,7 @@ import attrs
 from amorsim.core.numbers import is_number
 from amorsim.core.parameters import Parameter, ParameterError, describe
 from amorsim.core.unknown_names import no_such
-from amorsim.scenario.paths import changed, index_in
+from amorsim.scenario.parameter_paths import changed, index_in
 from amorsim.scenario.reading.faults import Node, shown
 from amorsim.scenario.spec import Deviation, Distribution, MountedSensor, Number
 from amorsim.scenario.toml.angles import to_degrees, to_radians

@@ -11,11 +11,11 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
+from amorsim.core.footprint_room import outside, overlap_with_others, overlap_with_walls, wall_gaps
 from amorsim.core.map import Map
 from amorsim.core.memory import too_large
 from amorsim.core.parameters import parameter
 from amorsim.core.shapes import Shape, pack
-from amorsim.core.starts import outside, overlap_with_others, overlap_with_walls, wall_gaps
 from amorsim.kernels.collision.footprints import body_gaps
 from amorsim.plugins.checks import check_name
 from amorsim.scenario.initial_belief import InitialBelief

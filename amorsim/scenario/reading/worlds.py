@@ -10,11 +10,11 @@ import attrs
 import numpy as np
 
 from amorsim.core.errors import MapError, PluginError, did_you_mean
+from amorsim.core.footprint_room import freest_start, least_gaps
 from amorsim.core.map import Map
 from amorsim.core.numbers import is_number
 from amorsim.core.parameters import parameter
 from amorsim.core.shapes import Shape
-from amorsim.core.starts import freest_start, least_gaps
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.files.maps import MapFile, find_loader, read_map
 from amorsim.scenario.knowledge import Knowledge

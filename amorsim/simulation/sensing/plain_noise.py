@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.noise_steps import NoiseProgram
-from amorsim.kernels.numbers import has_nan
+from amorsim.kernels.number_checks import has_nan
 from amorsim.simulation.sensing.device import Device
 
 __all__ = ["PlainNoise"]

@@ -15,7 +15,7 @@ from amorsim.core.errors import ComponentError
 from amorsim.core.shapes import Shape
 from amorsim.core.workers import Workers, in_turn
 from amorsim.kernels.kinematics import poses
-from amorsim.kernels.numbers import all_indices
+from amorsim.kernels.number_checks import all_indices
 from amorsim.kernels.raycast import cones
 from amorsim.simulation.world.bumper_contacts import find_touched
 from amorsim.simulation.world.in_sight import bind_walls, find_landmarks, look_about, normals_at

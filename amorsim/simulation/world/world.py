@@ -18,7 +18,7 @@ from amorsim.kernels.collision.body_hash import BodyHash
 from amorsim.kernels.collision.broad_phase import Clearance
 from amorsim.kernels.collision.footprints import Bodies
 from amorsim.kernels.raycast import body_beams, body_cones, body_rays
-from amorsim.simulation.world.surroundings import Surroundings
+from amorsim.simulation.world.marks_and_lamps import Surroundings
 from amorsim.simulation.world.terrain import Terrain
 
 __all__ = ["CONE_WORK", "Emitted", "World", "empty_hash"]

@@ -24,7 +24,7 @@ from amorsim.ui.editor.changes import apply, own_table
 from amorsim.ui.editor.inspectors.inspector import inspect
 from amorsim.ui.editor.looking import FaultAt, Looked
 from amorsim.ui.editor.reader import Reader
-from amorsim.ui.editor.storage.files import PROGRAM
+from amorsim.ui.editor.storage.edited_files import PROGRAM
 from amorsim.ui.editor.storage.formats import written_endings
 from amorsim.ui.editor.storage.passing import PassingFolder
 from amorsim.ui.editor.storage.projects import ASKS, Projects

@@ -16,11 +16,11 @@ from amorsim.scenario.documents.elsewhere import named_files
 from amorsim.ui.editor.history import History, Patch, Step, difference
 from amorsim.ui.editor.inspectors.walls import WallsError
 from amorsim.ui.editor.journal import Kept, mark_of
-from amorsim.ui.editor.steps import Steps
-from amorsim.ui.editor.storage.files import Files, FilesError, FileText
+from amorsim.ui.editor.storage.edited_files import Files, FilesError, FileText
 from amorsim.ui.editor.storage.recent import remember
 from amorsim.ui.editor.storage.world_map import WorldMap
-from amorsim.ui.faults.files import Stamps, stamps_of
+from amorsim.ui.editor.undo_steps import Steps
+from amorsim.ui.faults.changed_files import Stamps, stamps_of
 
 __all__ = ["EMPTY", "ChangedError", "Work"]
 

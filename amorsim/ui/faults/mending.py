@@ -20,7 +20,7 @@ from amorsim.core.error_text import error_in_words
 from amorsim.core.errors import AmorsimError, DocumentError, Fault, ScenarioError
 from amorsim.scenario.documents.document import open_document
 from amorsim.scenario.reading.read import check_words
-from amorsim.ui.faults.files import BETWEEN_LOOKS, Stamps, change_of, stamps_of
+from amorsim.ui.faults.changed_files import BETWEEN_LOOKS, Stamps, change_of, stamps_of
 from amorsim.ui.faults.lines import FaultLine, FaultsError, fault_lines
 from amorsim.ui.scene.still import StillBuilder
 from amorsim.ui.scene.wire import Still

@@ -19,7 +19,7 @@ from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.reading.fields import NONE, default_in_file, file_fields, in_file, write_fields
 from amorsim.scenario.spec import Deviation, Distribution
-from amorsim.ui.forms.values import field_plain, plain
+from amorsim.ui.forms.json_values import field_plain, plain
 
 __all__ = [
     "Choice",

@@ -8,7 +8,7 @@ from typing import Any
 import attrs
 
 from amorsim.core.parameters import Parameter, describe
-from amorsim.scenario.paths import changed
+from amorsim.scenario.parameter_paths import changed
 from amorsim.scenario.spec import Deviation, Distribution, MountedSensor, NoiseElement, Robot
 from amorsim.simulation.simulation import Simulation
 from amorsim.ui.forms.description import (
@@ -19,9 +19,9 @@ from amorsim.ui.forms.description import (
     number_widget,
     why_part_fixed,
 )
+from amorsim.ui.forms.json_values import field_plain
 from amorsim.ui.forms.origins import Origins
 from amorsim.ui.forms.sliders import slider_of
-from amorsim.ui.forms.values import field_plain
 from amorsim.ui.simulator.frames.protocol import ParameterForm
 
 __all__ = ["forms_of", "value_at"]

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.ui.run_page.series import SeriesWriter
+from amorsim.ui.run_page.packed_tables import SeriesWriter
 from amorsim.ui.simulator.frames.packing import Dynamic
 from amorsim.ui.simulator.sources.past import Places
 from amorsim.ui.simulator.sources.recording import Recording

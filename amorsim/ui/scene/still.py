@@ -9,8 +9,8 @@ from amorsim.scenario.parts import parts_at
 from amorsim.scenario.reading.partial import Outline, Partial
 from amorsim.scenario.spec import Obstacle, Pose, Robot
 from amorsim.ui.scene.bodies import body_of, floor_of, outline_of
+from amorsim.ui.scene.drawn_robots import RobotShapes
 from amorsim.ui.scene.maps import MapShapes
-from amorsim.ui.scene.robots import RobotShapes
 from amorsim.ui.scene.wire import ObstacleShape, OutlineShape, RobotEntry, Scene, Still
 
 __all__ = ["StillBuilder"]

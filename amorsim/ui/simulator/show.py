@@ -24,7 +24,7 @@ from amorsim.ui.simulator.process.orphan import stay
 from amorsim.ui.simulator.recipe import Recipe
 
 if TYPE_CHECKING:
-    from amorsim.ui.faults.files import Stamps
+    from amorsim.ui.faults.changed_files import Stamps
     from amorsim.ui.faults.mending import Mending
     from amorsim.ui.serve.pages import Page, Pages
     from amorsim.ui.simulator.session import Session
@@ -177,7 +177,7 @@ class _Shown:
 
     async def _open(self) -> str:
         """Start the simulation, in the place of the one that there is; returns the path of its page."""
-        from amorsim.ui.faults.files import stamps_of
+        from amorsim.ui.faults.changed_files import stamps_of
         from amorsim.ui.simulator.session import Session
 
         async with self._loading:
@@ -211,7 +211,7 @@ class _Shown:
 
     async def _watch(self, session: Session, stamps: Stamps) -> None:
         """Note when the file has changed that a session simulates."""
-        from amorsim.ui.faults.files import change_of, stamps_of_scenario
+        from amorsim.ui.faults.changed_files import change_of, stamps_of_scenario
 
         await change_of({**await asyncio.to_thread(stamps_of_scenario, self._recipe.name), **stamps})
         session.changed = True

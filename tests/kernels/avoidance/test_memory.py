@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from amorsim.kernels.avoidance.arcs import Box
-from amorsim.kernels.avoidance.memory import Window, guard, remember
+from amorsim.kernels.avoidance.seen_window import Window, guard, remember
 from amorsim.kernels.behaviours.free_space import Sight
 
 BOX = Box(-0.25, 0.25, -0.2, 0.2, math.inf)  # rear, front, right, left

@@ -11,7 +11,7 @@ from amorsim.controllers.dwa import Dwa
 from amorsim.controllers.navigate import Navigate
 from amorsim.plugins.registry import Registry
 from amorsim.sensors.compass import Compass
-from amorsim.ui.editor.inspectors.places import places_at
+from amorsim.ui.editor.inspectors.points import places_at
 
 
 @attrs.frozen(kw_only=True)

@@ -10,7 +10,7 @@ import pytest
 
 from amorsim.core.errors import AmorsimError
 from amorsim.runs.scenario_argument import read_scenario
-from amorsim.ui.faults.files import stamps_of_scenario
+from amorsim.ui.faults.changed_files import stamps_of_scenario
 from amorsim.ui.faults.lines import lines_of
 from amorsim.ui.faults.mending import Mending
 from tests.ui.aside import aside

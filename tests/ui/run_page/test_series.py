@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from amorsim.ui.run_page.series import SeriesWriter, read_series
+from amorsim.ui.run_page.packed_tables import SeriesWriter, read_series
 
 NUMBERS = st.floats(-1e12, 1e12) | st.sampled_from([math.nan, math.inf, -math.inf, 0.0, -0.0])
 TABLES = arrays.arrays(np.float64, st.tuples(st.integers(0, 12), st.integers(0, 4)), elements=NUMBERS)

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import amorsim as am
-from amorsim.analysis.files import RunFiles
+from amorsim.analysis.run_files import RunFiles
 from amorsim.recorders.arrays import Arrays
 from amorsim.scenario.colours import robot_colours
 from amorsim.scenario.spec import Recording as What

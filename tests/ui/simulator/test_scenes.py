@@ -196,7 +196,7 @@ def test_each_kind_of_reading_says_how_it_is_drawn() -> None:
 
 
 def test_the_true_elements_of_a_ring_are_drawn_where_each_truly_is() -> None:
-    from amorsim.ui.scene.robots import sensor_shapes
+    from amorsim.ui.scene.drawn_robots import sensor_shapes
 
     changes = [
         "robots.0.errors.sensors.sonar.elements.3.heading_deg.add=5",

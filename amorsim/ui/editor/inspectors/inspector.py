@@ -14,7 +14,7 @@ from amorsim.scenario.files.models import LOOKS
 from amorsim.scenario.initial_belief import InitialBelief
 from amorsim.scenario.spec import Landmark, Light, MountedSensor, Obstacle, Pose, Recording, Robot, Scenario
 from amorsim.scenario.toml.layout import found_at
-from amorsim.ui.editor.inspectors.errors import deviations, fields_of, targets
+from amorsim.ui.editor.inspectors.error_forms import deviations, fields_of, targets
 from amorsim.ui.editor.inspectors.ground import described, floor
 from amorsim.ui.editor.inspectors.knowing import kidnappings, knowledge
 from amorsim.ui.editor.inspectors.sections import Section, toml_of

@@ -13,7 +13,7 @@ from amorsim.plugins.registry import Registry
 from amorsim.scenario.documents.document import Document
 from amorsim.scenario.reading.partial import Partial
 from amorsim.scenario.spec import Obstacle, Pose, Robot
-from amorsim.ui.editor.inspectors.places import Place, places_at
+from amorsim.ui.editor.inspectors.points import Place, places_at
 from amorsim.ui.scene.bodies import outline_of
 from amorsim.ui.scene.wire import Outline
 

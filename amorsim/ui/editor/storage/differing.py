@@ -7,7 +7,7 @@ from pathlib import Path
 
 from amorsim.core.errors import AmorsimError
 from amorsim.ui.editor.storage.bitmaps import CODEC, pixels_apart
-from amorsim.ui.editor.storage.files import read_file
+from amorsim.ui.editor.storage.edited_files import read_file
 from amorsim.ui.editor.work import Work
 
 __all__ = ["differing_lines"]

@@ -11,7 +11,7 @@ from amorsim.scenario.documents.document import Document
 from amorsim.scenario.documents.elsewhere import named_files, near
 from amorsim.ui.editor.inspectors.walls import EMPTY_WORLD, WallsError, world_of
 from amorsim.ui.editor.storage.bitmaps import SUFFIXES, shape_of
-from amorsim.ui.editor.storage.files import FilesError
+from amorsim.ui.editor.storage.edited_files import FilesError
 
 if TYPE_CHECKING:
     from amorsim.ui.editor.work import Work

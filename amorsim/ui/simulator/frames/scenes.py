@@ -5,8 +5,8 @@ from __future__ import annotations
 from amorsim.runs.session import run_name
 from amorsim.simulation.simulation import Simulation
 from amorsim.ui.scene.bodies import body_of, floor_of
+from amorsim.ui.scene.drawn_robots import RobotShapes
 from amorsim.ui.scene.maps import MapShapes
-from amorsim.ui.scene.robots import RobotShapes
 from amorsim.ui.scene.wire import Scene
 
 __all__ = ["SceneBuilder"]

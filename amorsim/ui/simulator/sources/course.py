@@ -6,8 +6,8 @@ from typing import Any
 
 import attrs
 
-from amorsim.ui.simulator.sources.changes import Changes
 from amorsim.ui.simulator.sources.inputs import Inputs
+from amorsim.ui.simulator.sources.parameter_changes import Changes
 from amorsim.ui.simulator.sources.past import Pasts
 from amorsim.ui.simulator.sources.story import Story
 from amorsim.ui.simulator.sources.timeline import Paths, Snapshots

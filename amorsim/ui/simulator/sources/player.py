@@ -11,9 +11,9 @@ from amorsim.simulation.simulation import Simulation
 from amorsim.ui.simulator.frames.frames import look_back
 from amorsim.ui.simulator.process.faults import Fault, fault_of
 from amorsim.ui.simulator.sources.carried import Carried, Carrier
-from amorsim.ui.simulator.sources.changes import Changes
 from amorsim.ui.simulator.sources.course import Course
 from amorsim.ui.simulator.sources.inputs import Input, Inputs
+from amorsim.ui.simulator.sources.parameter_changes import Changes
 from amorsim.ui.simulator.sources.past import Pasts
 from amorsim.ui.simulator.sources.simulated import Simulated
 from amorsim.ui.simulator.sources.story import Story

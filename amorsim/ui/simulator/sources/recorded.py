@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.analysis.files import belief_arrays
+from amorsim.analysis.run_files import belief_arrays
 from amorsim.core.errors import RunError
 from amorsim.runs.array_files import read_arrays
 from amorsim.runs.moments import Cells, TimedLines

@@ -6,7 +6,7 @@ const DEGREE = Math.PI / 180;
 const ARM = 44; // pixels from a sensor's mount to the grip that turns it
 
 /**
- * Points of a thing that lie in the world, as `Place` in amorsim/ui/editor/inspectors/places.py.
+ * Points of a thing that lie in the world, as `Place` in amorsim/ui/editor/inspectors/points.py.
  * @typedef {{path: string, kind: "path" | "point" | "box", points: number[][], closed: boolean}} PlaceOf
  */
 

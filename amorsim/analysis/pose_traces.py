@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.analysis.figures import ESTIMATED, OTHERS
-from amorsim.analysis.files import RunFiles
+from amorsim.analysis.run_files import RunFiles
 from amorsim.core.errors import RunError
 
 __all__ = ["Estimates", "Trace", "read_trace"]

@@ -16,7 +16,7 @@ from amorsim.scenario.programs.local_imports import files_beside
 from amorsim.ui.editor.inspectors.walls import EMPTY_WORLD
 from amorsim.ui.editor.journal import mark_of
 from amorsim.ui.editor.storage.bitmaps import CODEC, SUFFIXES, decode, encode
-from amorsim.ui.faults.files import Stamp, stamps_of
+from amorsim.ui.faults.changed_files import Stamp, stamps_of
 
 __all__ = ["PROGRAM", "FileText", "Files", "FilesError"]
 
