@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import json
 import sys
 import time
@@ -49,6 +50,7 @@ SECTIONS = (
     "planners",
     "avoiders",
     "studies",
+    "learning",
 )
 CLOCKS = {"wall": time.perf_counter, "cpu": time.process_time}
 
@@ -98,6 +100,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         rows += avoiders.measure(given.rounds, given.quick, clock, say)
     if "studies" in given.only:
         rows += studies.measure(given.rounds, given.quick, say)
+    if "learning" in given.only and importlib.util.find_spec("gymnasium") is not None:
+        from benchmarks import learning
+
+        rows += learning.measure(given.rounds, given.quick, clock, say)
     command = "python -m benchmarks " + " ".join(arguments if arguments is not None else sys.argv[1:])
     about["took"] = f"{time.perf_counter() - began:.0f} s, {given.rounds} rounds"
     text = as_text(rows, about, command.strip(), plain_rates, [*missing, *BESIDE])
