@@ -24,6 +24,7 @@ TITLES: Mapping[str, str] = {
     "planners": "Planners",
     "avoiders": "Avoiders",
     "studies": "Studies",
+    "learning": "Environments for learners",
 }
 _HEAD = ("setting", "side", "median", "least to most", "unit", "amorsim is", "counts", "what it did")
 
@@ -81,7 +82,7 @@ def figure(value: float) -> str:
 
 def _is_own(row: Row) -> bool:
     return (
-        row.section in ("compositions", "mixed", "crowd", "memory", "maps", "start", "planners", "studies")
+        row.section in ("compositions", "mixed", "crowd", "memory", "maps", "start", "planners", "studies", "learning")
         or "costs" in row.note
         or row.side == "plain traversal"
     )

@@ -126,6 +126,16 @@ def test_mapping_is_timed() -> None:
     assert rows[0].rounds[0] > rows[1].rounds[0]
 
 
+def test_environments_for_learners_are_timed() -> None:
+    pytest.importorskip("gymnasium", reason="the extra 'learn' is not installed")
+    from benchmarks import learning
+
+    rows = [row for row in learning.measure(1, True, time.perf_counter, lambda _: None) if row.side != "VMAS"]
+    assert [row.setting for row in rows] == 3 * ["PointGoal, 1 environments"] + 3 * ["PointGoal, 100 environments"]
+    assert all(row.rounds[0] > 0.0 for row in rows)
+    assert re.search(r"the interface costs -?\d+ us a step", rows[1].note)
+
+
 def test_a_graph_that_is_made_is_solved_from_poses_that_are_off() -> None:
     rows = graphs.measure(1, True, time.perf_counter, lambda _: None)
     assert rows[0].side == "amorsim"
