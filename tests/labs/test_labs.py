@@ -133,11 +133,12 @@ def test_submissions_earn_what_they_should(name: str, tmp_path: Path) -> None:
 
 @pytest.mark.nightly
 @pytest.mark.parametrize("name", EARNED)
-def test_a_good_solution_does_not_depend_on_luck(name: str, tmp_path: Path) -> None:
+def test_a_good_solution_earns_nine_tenths_over_ten_seeds(name: str, tmp_path: Path) -> None:
     rubric = practice(name, tmp_path / "lab", list(range(101, 111)))
     good = rubric.parent / "solutions" / "good.py"
     (found,) = grade(rubric, [good], tmp_path / "grades", fence=not fence_problem())
-    assert [case.total >= 0.9 * found.of for case in found.cases] == [True] * 10
+    assert found.total >= 0.9 * found.of
+    assert sum(case.total < 0.9 * found.of for case in found.cases) <= 1
 
 
 def practice(name: str, lab: Path, seeds: list[int]) -> Path:

@@ -52,13 +52,8 @@ def test_a_notebook_holds_handout_and_program(number: int, tmp_path: Path) -> No
             assert paragraph.strip() in there
 
 
-@pytest.mark.parametrize(
-    "number",
-    [
-        pytest.param(lab.number, marks=pytest.mark.long if lab.number in (1, 5) else pytest.mark.nightly)
-        for lab in find_labs()
-    ],
-)
+@pytest.mark.long
+@pytest.mark.parametrize("number", [lab.number for lab in find_labs()])
 def test_a_notebook_runs_as_written(number: int, tmp_path: Path) -> None:
     pytest.importorskip("anywidget", reason="the extra 'notebook' is not installed")
     cells_of(number, tmp_path / "lab")
