@@ -50,7 +50,7 @@ def _thresholds(probability: float) -> tuple[float, float]:
     if probability >= 1.0:
         return np.inf, np.inf
     one = statistics.NormalDist().inv_cdf(0.5 + 0.5 * probability)
-    return one * one, float(-2.0 * np.log1p(-probability))
+    return one * one, -2.0 * math.log1p(-probability)
 
 
 @functools.cache

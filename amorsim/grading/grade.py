@@ -377,14 +377,16 @@ def _run(grading: _Grading, case: Case, scenario: Scenario, handed_in: HandedIn)
         keeper.keep_last()
     values: dict[str, float] = {}
     points: dict[str, float] = {}
+    shares: dict[str, float] = {}  # a criterion without points may be one that others are given with
     for each in rubric.criteria:
         measured = each.measured
         episode = episode_at(
             simulation, keeper.arrays, measured.metric.needs(), measured.robot or robot, np.zeros(1, np.int64), steps
         )
-        values[measured.name] = float(measure_episode(measured, episode)[0])
-        is_given = not each.given or points[each.given] > 0.0
-        points[measured.name] = each.points * each.share(values[measured.name]) if is_given else 0.0
+        values[each.name] = float(measure_episode(measured, episode)[0])
+        is_given = not each.given or shares[each.given] > 0.0
+        shares[each.name] = each.share(values[each.name]) if is_given else 0.0
+        points[each.name] = each.points * shares[each.name]
     for question in rubric.questions:
         values[question.name] = float(question.is_right(remote.answers))
         points[question.name] = question.points * values[question.name]

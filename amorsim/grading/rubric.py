@@ -221,7 +221,7 @@ def _criteria(node: Node) -> list[Criterion]:
             continue
         given = child.value.get("given", "")
         above = [each.name for each in found]
-        if given and given not in above:
+        if "given" in child and given not in above:
             child.child("given").fault(f"expected the name of a criterion above it, got {shown(given)}")
             given = ""
         found.append(Criterion(measured=measured, points=float(points), none=none, full=full, given=given))

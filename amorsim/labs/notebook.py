@@ -26,6 +26,8 @@ def write_notebook(lab: Lab, folder: Path) -> None:
     Raises
     ------
     StudyError
+        If the handout has no second section.
+    RunError
         If it cannot be written.
     """
     cells = [_cell(number, kind, text) for number, (kind, text) in enumerate(_cells(lab), start=1)]
@@ -38,10 +40,7 @@ def write_notebook(lab: Lab, folder: Path) -> None:
         "nbformat": 4,
         "nbformat_minor": 5,
     }
-    try:
-        write_text(folder / NOTEBOOK, json.dumps(content, indent=1, ensure_ascii=False) + "\n")
-    except OSError as error:
-        raise StudyError(f"{folder / NOTEBOOK}: cannot be written ({error.strerror or error})") from None
+    write_text(folder / NOTEBOOK, json.dumps(content, indent=1, ensure_ascii=False) + "\n")
 
 
 def _cells(lab: Lab) -> Iterator[tuple[str, str]]:

@@ -13,6 +13,7 @@ from amorsim.algorithms.consistency import nees
 from amorsim.contracts import Episode, Metric, parameter
 from amorsim.core.parameters import ParameterError
 from amorsim.core.poses import wrap_angle
+from amorsim.kernels import elementary
 from amorsim.metrics.series import AT, at, total
 
 __all__ = ["Nees", "Nis"]
@@ -108,7 +109,7 @@ def _moments_of_row(particles: Array, weights: Array) -> tuple[Array, Array]:
     poses = np.nan_to_num(particles)
     mean = np.einsum("sp,spi->si", share, poses)
     c, s = (np.einsum("sp,sp->s", share, turn(poses[..., 2])) for turn in (np.cos, np.sin))
-    mean[:, 2] = np.arctan2(s, c)
+    mean[:, 2] = elementary.arctan2(s, c)
     apart = poses - mean[:, None]
     apart[..., 2] = wrap_angle(apart[..., 2])
     return mean, np.einsum("sp,spi,spj->sij", share, apart, apart)

@@ -102,7 +102,12 @@ def test_a_criterion_earns_nothing_without_the_one_that_it_is_given_with(course:
     assert found["good"].points_for("straight") > 0.0
     assert found["lazy"].cases[0].problem == ""
     assert found["lazy"].total == 0.0
-    for name in ("straight", "none"):
-        course.write_text(RUBRIC.replace("full = 0.0", f'full = 0.0, given = "{name}"'))
+    course.write_text(
+        RUBRIC.replace("points = 6.0", "points = 0.0").replace("full = 0.0", 'full = 0.0, given = "arrived"')
+    )
+    (course.parent / "grades").rename(course.parent / "before")
+    assert graded(course, fence=False, good=GOOD)["good"].points_for("straight") > 0.0
+    for name in ('"straight"', '"none"', '""', "false"):
+        course.write_text(RUBRIC.replace("full = 0.0", f"full = 0.0, given = {name}"))
         with pytest.raises(am.StudyError, match="expected the name of a criterion above it"):
             graded(course, fence=False, good=GOOD)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -45,6 +47,15 @@ def test_shapes_are_broadcast_and_views_are_taken_as_they_are() -> None:
     assert float(elementary.exp(1.0)) == math.exp(1.0)
     assert elementary.exp(SPREAD[:8].reshape(2, 4).T).shape == (4, 2)
     assert np.array_equal(elementary.exp(SPREAD[:8].reshape(2, 4).T), elementary.exp(SPREAD[:8]).reshape(2, 4).T)
+
+
+def test_nothing_that_a_step_computes_takes_numpys_own() -> None:
+    package = Path(elementary.__file__).parents[1]
+    own = re.compile(r"np\.(exp|expm1|exp2|log|log1p|log2|log10|arccos|arcsin|arctan|arctan2|tan|power|cbrt)\(")
+    without = {"analysis", "reports", "render", "ui", "cli", "studies", "sweeps", "learning"}  # which no run depends on
+    files = [file for file in package.rglob("*.py") if file.relative_to(package).parts[0] not in without]
+    assert len(files) > 300
+    assert [str(file) for file in files if own.search(file.read_text(encoding="utf-8"))] == []
 
 
 def test_the_edges_are_numpys() -> None:

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from amorsim.kernels import elementary
 from amorsim.kernels.compile import kernel, part
 
 __all__ = ["NEGLIGIBLE", "Passers", "Walls", "range_of", "social_forces"]
@@ -27,7 +28,7 @@ def range_of(strength: Floats, width: Floats, ahead: Floats, relative: Floats, l
     Others come nearer for `ahead` + `later` [s]; `social_forces` leaves out bodies that are farther away. `pace` is the
     pedestrian's speed [m/s]; the rest are columns of `social_forces`' `numbers`.
     """
-    push = width * np.log(np.maximum(strength / width / NEGLIGIBLE, 1.0))
+    push = width * elementary.log(np.maximum(strength / width / NEGLIGIBLE, 1.0))
     return np.asarray(push + pace * (later + ahead * relative) + SLACK)
 
 
