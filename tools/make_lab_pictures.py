@@ -79,7 +79,7 @@ def photograph(browser: Browser, lab: Lab, program: Path, targets: dict[str, Pat
             window.until(f"newest.tick >= {round(10.0 * seconds)}", seconds=240.0)
             window.open(page.url)  # whose trails are of each step
             page.keyboard.press("c")
-            window.see(f"numbers.choose({plotted!r})")
+            window.see(f"plots.choose({plotted!r})")
             page.wait_for_timeout(6000)  # until the hint is gone
             for theme, target in targets.items():
                 page.emulate_media(color_scheme=theme)

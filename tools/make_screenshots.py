@@ -39,7 +39,10 @@ def make(folder: Path) -> None:
             shutil.copy(Path(amorsim.__file__).parent / "scenarios" / name, work)
         browser = playwright.chromium.launch(executable_path=str(CHROMIUM), args=FLAGS)
         try:
-            for scenario, pictures in (("demo", (drift, lecture, overlay, past)), ("find-the-way", (intended,))):
+            for scenario, pictures in (
+                ("demo", (drift, lecture, overlay, past, futures)),
+                ("find-the-way", (intended,)),
+            ):
                 server = Server(Path(work) / f"{scenario}.toml")
                 try:
                     page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
@@ -59,7 +62,7 @@ def make(folder: Path) -> None:
 def drift(window: Window) -> None:
     """The demo after a minute: readings beside the walls."""
     _play(window, 600)
-    window.see("numbers.choose('apart')")
+    window.see("plots.choose('apart')")
 
 
 def lecture(window: Window) -> None:
@@ -97,8 +100,25 @@ def past(window: Window) -> None:
     window.page.locator(".events-list button", has_text="met").first.click()
     window.until("newest.states & 4")
     window.see("stage.camera.zoom(1.2)")
-    window.see("numbers.choose('forward')")
-    window.see("numbers.setMode('values')")
+    window.see("plots.choose('forward')")
+    window.see("plots.first.setMode('values')")
+
+
+def futures(window: Window) -> None:
+    """The drift of a left wheel 0.3 % too large beside that of one 0.1 % too large."""
+    window.see("plots.choose('apart')")
+    window.see("plots.first.setMode('difference')")
+    window.do(do="restore", robot="rover")
+    window.do(do="reset")
+    _play(window, 300)
+    window.do(do="scrub", tick=100)
+    window.page.wait_for_selector("#continue:visible")
+    window.page.locator("#continue").click()
+    window.until("futures.list.length === 1")
+    window.do(do="set", robot="rover", path="errors.drive.wheel_radius_left.scale", value=1.001)
+    _play(window, 180)
+    window.see("stage.fit()")
+    window.see("stage.camera.zoom(1.2)")
 
 
 def intended(window: Window) -> None:

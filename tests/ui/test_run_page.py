@@ -84,7 +84,7 @@ def test_it_plays_to_its_end_and_again(opened: Any, folder: Path, tmp_path: Path
     expect(page.page.get_by_role("button", name="GIF")).to_be_hidden()  # a server makes it
     page.do(do="select", robot="rover")
     page.until("newest.particleCount > 50")
-    assert page.see("numbers.series.get('apart').times.length") > 50
+    assert page.see("record.series.get('apart').times.length") > 50
 
 
 def test_names_in_a_scenario_are_text(opened: Any, tmp_path: Path) -> None:

@@ -260,7 +260,7 @@ def test_reset_and_speed(window: Window) -> None:
 
 
 ALL = """
-Object.fromEntries([...numbers.series].map(([key, { times, values }]) => [key, times.map((time, n) =>
+Object.fromEntries([...record.series].map(([key, { times, values }]) => [key, times.map((time, n) =>
     [Math.round(time * 10), ...values.map((column) => (Number.isFinite(column[n]) ? column[n] : null))])]))
 """
 
@@ -276,7 +276,7 @@ def test_plots_have_their_past_after_a_reload(window: Window) -> None:
     before = plotted(window)
     assert {"turn", "apart", "sensor.laser", "joint.left_wheel"} <= before.keys()
     window.page.reload()
-    window.until("newest?.tick === 24 && numbers.series.get('turn')?.times.length > 20")
+    window.until("newest?.tick === 24 && record.series.get('turn')?.times.length > 20")
     after = plotted(window)
     assert after.keys() == before.keys()
     for key, samples in before.items():

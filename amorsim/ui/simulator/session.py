@@ -30,7 +30,18 @@ Table = Mapping[str, Any]
 Answer = dict[str, Any]
 
 # Commands of a robot, which they name or look at.
-_OF_ROBOT = ("parameters", "history", "mapped", "intended", "hand_over", "drive", "command", "set", "restore")
+_OF_ROBOT = (
+    "parameters",
+    "history",
+    "futures",
+    "mapped",
+    "intended",
+    "hand_over",
+    "drive",
+    "command",
+    "set",
+    "restore",
+)
 _OWN = ("reload", "restart", "places", "page", "save_run", "save_scenario")
 
 BETWEEN_LOOKS = 0.2  # [s], while an answer is waited for

@@ -14,7 +14,7 @@ import amorsim as am
 from amorsim.noise.gaussian import Gaussian
 from amorsim.ui.simulator.frames.packing import Dynamic, FrameFlag, RobotFlag
 from amorsim.ui.simulator.sources.inputs import Input
-from amorsim.ui.simulator.sources.player import Player
+from amorsim.ui.simulator.sources.player import MOST_OTHERS, Player
 from amorsim.ui.simulator.sources.timeline import MOST_MOMENTS, Paths
 from tests import building
 
@@ -326,6 +326,61 @@ def test_what_was_left_by_going_on_can_be_taken_up_again() -> None:
     one.reset()
     with pytest.raises(am.AmorsimError, match="no later history"):
         one.go_back()
+
+
+def test_other_futures_are_kept_each_from_where_it_parts() -> None:
+    path = "errors.drive.wheel_radius_left.scale"
+    one = player()
+    play(one, 100)
+    first = frame(one)
+    for tick, scale in ((60, 1.03), (80, 1.05), (40, 1.07)):
+        one.scrub(tick)
+        one.go_on()
+        one.give(Input(tick=tick, do="set", robot="rover", path=path, value=scale))
+        play(one, 30)
+    # 1 to 100; 2 from it at 60, to 90; 3 from 2 at 80, to 110; 4, which is played, from 3 at 40, to 70.
+    assert one.number == 4
+    assert [(other.number, other.since, other.newest) for other in one.others] == [
+        (1, 40, 100),
+        (2, 40, 90),
+        (3, 40, 110),
+    ]
+    assert [other.changes_of("rover") for other in one.others] == [
+        [],
+        [{"path": path, "value": 1.03}],
+        [{"path": path, "value": 1.05}],
+    ]
+    assert one.others[0].track(0, 1000).ticks == list(range(101))
+    assert one.others[1].track(0, 1000).ticks == list(range(91))
+    same_until = [other.track(0, 1000).poses[60] for other in one.others]
+    assert (same_until[0] == same_until[1]).all()
+    assert (one.others[0].track(0, 1000).poses[90] != one.others[1].track(0, 1000).poses[90]).any()
+    # Each can be taken up again, and what is played then is kept in its place.
+    assert one.go_back(1) == 100
+    same(frame(one), first)
+    assert [other.number for other in one.others] == [2, 3, 4]
+    one.forget(3)
+    assert [other.number for other in one.others] == [2, 4]
+    for does in (one.forget, one.go_back):
+        with pytest.raises(am.AmorsimError, match="no other future of number 3"):
+            does(3)
+    # The oldest go when there are too many.
+    for _ in range(MOST_OTHERS):
+        one.scrub(10)
+        one.go_on()
+        play(one, 5)
+    assert [other.number for other in one.others] == [1, 5, 6, 7]
+
+
+def test_the_futures_that_are_left_share_a_bounded_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    one = player()
+    play(one, 100)
+    monkeypatch.setattr("amorsim.ui.simulator.sources.player.MOST_BYTES_OF_SNAPSHOTS", 3 * one.snapshots.nbytes // 2)
+    for _ in range(3):
+        one.scrub(50)
+        one.go_on()
+        play(one, 50)
+    assert [other.number for other in one.others] == [3]  # what was left last stays in any case
 
 
 def test_going_on_says_what_is_kept(tmp_path: Path) -> None:

@@ -119,7 +119,9 @@ COMMANDS: Mapping[str, Command] = {
     "reset": Command(controls=True),
     "scrub": Command(may={"tick": _either(_TICK, _NOTHING)}, controls=True),
     "continue": Command(may={"tick": _either(_TICK, _NOTHING)}, controls=True),
-    "go_back": Command(controls=True),
+    "go_back": Command(may={"number": whole(1)}, controls=True),
+    "futures": Command(may={**_OF_ROBOT, "max_points": whole(1, MOST_POINTS)}, asks=True),
+    "forget": Command(needs={"number": whole(1)}, controls=True),
     # Of a recorded run: which replica is shown.
     "replica": Command(needs={"number": whole(0)}, controls=True),
     # Driving: [m/s], [m/s], [rad/s]. `hand_over` without `to` is to the hand; `stop` without a robot stops all that

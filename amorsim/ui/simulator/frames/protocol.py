@@ -22,7 +22,8 @@ table with ``ok``, and where that is false with ``error``, a text for the user. 
 | ``step`` | ``tick``, ``steps`` |
 | ``continue`` | ``tick`` |
 | ``replica`` | ``scene``: a `Scene`, of the replica |
-| ``go_back`` | ``tick`` of the end of what the last ``continue`` left |
+| ``go_back`` | ``tick`` of the end of the course of events that is taken up again |
+| ``futures`` | ``epoch``, ``number`` of the course that is played, ``others``: list of `Future` |
 | ``drive`` | ``channels`` |
 | ``set`` | ``value`` |
 | ``places`` | ``project``, the folder's path; names in it that are free: ``run``, ``scenario`` |
@@ -43,9 +44,11 @@ from amorsim.ui.forms.description import FieldForm, Widget
 
 __all__ = [
     "ChainForm",
+    "ChangedParameter",
     "ElementForm",
     "EventLine",
     "FieldForm",
+    "Future",
     "History",
     "Intended",
     "IntendedArc",
@@ -217,5 +220,25 @@ class History(TypedDict):
     epoch: int
     ticks: list[int]
     true: list[list[float]]  # x, y, heading
+    estimated: list[list[float]]
+    past: Past
+
+
+class ChangedParameter(TypedDict):
+    """A parameter of a robot that was set while the simulation ran, and the value set last."""
+
+    path: str
+    value: Any
+
+
+class Future(TypedDict):
+    """A course of events that was left by going on from its past: a robot's path in it, as in `History`."""
+
+    number: int  # of all courses, from 1
+    since: int  # the last tick that it shares with the one that is played
+    newest: int  # its last tick
+    changes: list[ChangedParameter]  # of the robot, after the courses parted
+    ticks: list[int]
+    true: list[list[float]]
     estimated: list[list[float]]
     past: Past

@@ -51,6 +51,8 @@ class Commands(Watching):
             "parameters": self._parameters,
             "reset": self._reset,
             "continue": self._continue,
+            "futures": self._futures,
+            "forget": self._forget,
             "go_back": self._go_back,
             "hand_over": self._hand_over,
             "drive": self._drive,
@@ -103,9 +105,28 @@ class Commands(Watching):
         self.has_ended = False
         return {"tick": self.player.go_on()}
 
-    def _go_back(self, _: Table) -> Answer:
+    def _go_back(self, command: Table) -> Answer:
         self.is_running = self.has_ended = False
-        return {"tick": self.player.go_back()}
+        number = None if command.get("number") is None else self._whole(command, "number")
+        return {"tick": self.player.go_back(number)}
+
+    def _futures(self, command: Table) -> Answer:
+        player, name = self.player, self.robot_of(command)
+        robot, most = player.names.index(name), self._whole(command, "max_points", 1000)
+        others: list[Answer] = [
+            {
+                "number": other.number,
+                "since": other.since,
+                "newest": other.newest,
+                "changes": other.changes_of(name),
+                **self.path_of(other.track(robot, most)),
+            }
+            for other in player.others
+        ]
+        return {"epoch": player.epoch, "number": player.number, "others": others}
+
+    def _forget(self, command: Table) -> None:
+        self.player.forget(self._whole(command, "number"))
 
     # --------------------------------------------------------------------------------------------------------- driving
 

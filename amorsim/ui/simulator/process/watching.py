@@ -14,7 +14,7 @@ from amorsim.core.unknown_names import no_such
 from amorsim.ui.scene.wire import Scene
 from amorsim.ui.simulator.frames.protocol import State
 from amorsim.ui.simulator.process.pace import Pace
-from amorsim.ui.simulator.sources.source import Source
+from amorsim.ui.simulator.sources.source import Source, Track
 
 __all__ = ["Answer", "Table", "Watching"]
 
@@ -148,9 +148,13 @@ class Watching(abc.ABC):
     def _history(self, command: Table) -> Answer:
         robot = self.source.names.index(self.robot_of(command))
         most = self._whole(command, "max_points", 1000)
-        ticks, poses, past = self.source.track(robot, most)
-        true, estimated = poses[:, :3].tolist(), poses[:, 3:].tolist()
-        return {"epoch": self.source.epoch, "ticks": ticks, "true": true, "estimated": estimated, "past": past}
+        return {"epoch": self.source.epoch, **self.path_of(self.source.track(robot, most))}
+
+    @staticmethod
+    def path_of(track: Track) -> Answer:
+        """The past of a robot, as windows read it."""
+        ticks, poses, past = track
+        return {"ticks": ticks, "true": poses[:, :3].tolist(), "estimated": poses[:, 3:].tolist(), "past": past}
 
     def _events(self, command: Table) -> Answer:
         after = self._whole(command, "after", 0)

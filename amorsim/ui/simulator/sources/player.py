@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
+
+import attrs
 
 from amorsim.core.errors import AmorsimError
 from amorsim.simulation.simulation import Simulation
@@ -17,12 +19,14 @@ from amorsim.ui.simulator.sources.parameter_changes import Changes
 from amorsim.ui.simulator.sources.past import Pasts
 from amorsim.ui.simulator.sources.simulated import Simulated
 from amorsim.ui.simulator.sources.story import Story
-from amorsim.ui.simulator.sources.timeline import Paths, Snapshots
+from amorsim.ui.simulator.sources.timeline import MOST_BYTES_OF_SNAPSHOTS, Paths, Snapshots
 from amorsim.ui.simulator.sources.writing import Writing
 
-__all__ = ["Player"]
+__all__ = ["MOST_OTHERS", "Player"]
 
 Notice = Callable[[int], None]
+
+MOST_OTHERS = 4  # courses of events that are kept beside the one that is played
 
 
 class Player(Simulated):
@@ -65,7 +69,8 @@ class Player(Simulated):
         self._is_past = False
         self._present = self._before = self.poses_only = self.fault = None
         self._story = Story()
-        self._left: Course | None = None  # what was left last by going on from the past
+        self._number = 1
+        self._others: list[Course] = []  # that were left by going on from the past, the last one last
         self.epoch += 1
         self._writing.begin(simulation)
         self._keep()
@@ -194,15 +199,18 @@ class Player(Simulated):
         if self.reason:
             raise AmorsimError(f"cannot continue from here: {self.reason}")
         tick, until = self.tick, f"what came after, up to {self._newest * self.simulation.dt:.1f} s, is kept"
+        others = [attrs.evolve(other, since=min(other.since, tick)) for other in self._others]
+        others = [*others, self._course(tick)][-MOST_OTHERS:]
+        while len(others) > 1 and sum(other.snapshots.nbytes for other in others) > MOST_BYTES_OF_SNAPSHOTS:
+            del others[0]
+        number = 1 + max(self._number, *(other.number for other in others))
+        self.inputs = Inputs(self.inputs)
+        self.inputs.cut(tick)
         if self._writing.folder is not None:
             until += f" in {self._writing.folder}"
-            self.inputs.cut(tick)
             self.resume(tick)
         else:
-            self._left = self._course()
             self._newest = tick
-            self.inputs = Inputs(self.inputs)
-            self.inputs.cut(tick)
             self.paths, self.snapshots, self.pasts = self.paths.copy(), self.snapshots.copy(), self.pasts.copy()
             self.paths.cut(tick)
             self.snapshots.cut(tick)
@@ -211,12 +219,15 @@ class Player(Simulated):
             self._story.cut(tick, len(self.simulation.events))
             self.epoch += 1
         self._is_past, self._present, self.fault = False, None, None
+        self._number, self._others = number, others
         self._changes = Changes.of(self.inputs)
         self.remark("continued", f"continued from here; {until}")
         return tick
 
-    def _course(self) -> Course:
+    def _course(self, since: int) -> Course:
         return Course(
+            number=self._number,
+            since=since,
             newest=self._newest,
             present=self._present,
             inputs=self.inputs,
@@ -227,22 +238,44 @@ class Player(Simulated):
             story=self._story,
         )
 
-    def go_back(self) -> int:
-        """Take up the course of events again that `go_on` left last, at its end; returns its tick.
+    @property
+    def number(self) -> int:
+        """Of the course of events that is played."""
+        return self._number
+
+    @property
+    def others(self) -> Sequence[Course]:
+        """The courses of events that were left by going on from the past, at most `MOST_OTHERS`, the last one last."""
+        return tuple(self._others)
+
+    def forget(self, number: int) -> None:
+        """Forget one of the `others`; raises an `AmorsimError` if there is none of this number."""
+        self._others.remove(self._other(number))
+
+    def _other(self, number: int) -> Course:
+        for other in self._others:
+            if other.number == number:
+                return other
+        raise AmorsimError(f"there is no other future of number {number}")
+
+    def go_back(self, number: int | None = None) -> int:
+        """Take up one of the `others` again at its end, by default the one left last; returns its tick.
 
         The one that is left now is kept in its place.
 
         Raises
         ------
         AmorsimError
-            If none is kept.
+            If it is not kept, or the run is written as it goes.
         """
-        left = self._left
-        if left is None:
+        if not self._others or self._writing.folder is not None:
             raise AmorsimError("there is no later history to go back to")
+        left = self._others[-1] if number is None else self._other(number)
         if self._present is None:
             self._present = self.simulation.snapshot(), self._before
-        self._left = self._course()
+        others = [attrs.evolve(one, since=min(one.since, left.since)) for one in self._others if one is not left]
+        self._others = [*others, self._course(left.since)]
+        self._number = left.number
         until = f"what came instead, up to {self._newest * self.simulation.dt:.1f} s, is kept"
         self._newest, self._present, self._changes = left.newest, left.present, left.changes
         self.inputs = Inputs(left.inputs)

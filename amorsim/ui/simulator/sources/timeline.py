@@ -13,7 +13,7 @@ from amorsim.core.errors import SnapshotError
 from amorsim.simulation.simulation import Simulation
 from amorsim.simulation.snapshot import Snapshot
 
-__all__ = ["Paths", "Snapshots"]
+__all__ = ["MOST_BYTES_OF_SNAPSHOTS", "Paths", "Snapshots"]
 
 Array = npt.NDArray[np.float64]
 
@@ -107,6 +107,7 @@ class Snapshots:
         self._held: dict[int, Snapshot] = {}
         self._most_bytes = most_bytes
         self._most = MOST_SNAPSHOTS
+        self._size = 0  # of one [bytes]
         self.stride = stride
         self.reason = ""
 
@@ -121,8 +122,8 @@ class Snapshots:
             self._held.clear()
             return
         if len(self._held) == 1:
-            size = max(1, sum(array.nbytes for array in _arrays(self._held[tick])))
-            self._most = max(2, min(MOST_SNAPSHOTS, self._most_bytes // size))
+            self._size = max(1, sum(array.nbytes for array in _arrays(self._held[tick])))
+            self._most = max(2, min(MOST_SNAPSHOTS, self._most_bytes // self._size))
         if len(self._held) > self._most:
             self.stride *= 2
             self._held = {at: snapshot for at, snapshot in self._held.items() if (at - self._first) % self.stride == 0}
@@ -144,6 +145,11 @@ class Snapshots:
 
     def __len__(self) -> int:
         return len(self._held)
+
+    @property
+    def nbytes(self) -> int:
+        """About how many bytes they take."""
+        return self._size * len(self._held)
 
 
 def _arrays(snapshot: Snapshot) -> Iterator[npt.NDArray[Any]]:

@@ -18,6 +18,8 @@ export class Canvas {
     this.theme = theme;
     this.magnify = 1; // how much larger lines, type and marks are drawn; pixels here are as many of the page's
     this.ratio = 1; // device pixels a pixel of ours
+    this.width = 1; // in CSS pixels; canvases that share a camera may differ, and see the same point in their middle
+    this.height = 1;
     /** @type {import("./layer.js").Layer[]} */
     this.layers = []; // the lowest first
     /** @type {Bitmap[]} */
@@ -57,6 +59,7 @@ export class Canvas {
   resize() {
     this.ratio = (globalThis.devicePixelRatio || 1) * this.magnify;
     const [clientWidth, clientHeight] = [this.element.clientWidth / this.magnify, this.element.clientHeight / this.magnify];
+    [this.width, this.height] = [clientWidth, clientHeight];
     const [width, height] = [Math.round(clientWidth * this.ratio), Math.round(clientHeight * this.ratio)];
     if (this.canvas.width !== width || this.canvas.height !== height) {
       this.canvas.width = width;
@@ -67,7 +70,10 @@ export class Canvas {
 
   draw() {
     const { context, ratio, theme } = this;
-    const brush = { context, camera: this.camera.onPixels(ratio), ratio, theme };
+    if (!this.canvas.width || !this.canvas.height) return; // another panel is shown alone
+    const camera = this.camera.onPixels(ratio);
+    camera.resize(this.width, this.height);
+    const brush = { context, camera, ratio, theme };
     const shown = this.layers.filter((layer) => layer.isShown);
     let [at, run] = [0, 0];
     // The first run has the paper, also where it has no layer.
@@ -91,7 +97,7 @@ export class Canvas {
     const { context, camera, theme } = this;
     const length = niceStep(50 / camera.scale);
     const wide = length * camera.scale;
-    const [left, base] = [12.5 + this.edge, camera.height - 12.5];
+    const [left, base] = [12.5 + this.edge, this.height - 12.5];
     const text = length >= 1 ? `${length} m` : `${Math.round(length * 1000)} mm`;
     context.font = "12px system-ui, sans-serif";
     context.globalAlpha = 0.8;
@@ -112,8 +118,8 @@ export class Canvas {
 
   /** What keys point at. */
   drawMiddle() {
-    const { context, camera, theme } = this;
-    const [x, y] = [camera.width / 2, camera.height / 2];
+    const { context, theme } = this;
+    const [x, y] = [this.width / 2, this.height / 2];
     context.strokeStyle = theme.ink;
     context.lineWidth = 1;
     context.beginPath();
@@ -135,17 +141,37 @@ export class Canvas {
   placeOf(event) {
     const box = this.canvas.getBoundingClientRect();
     const [left, top] = [(event.clientX - box.left) / this.magnify, (event.clientY - box.top) / this.magnify];
-    const [x, y] = this.camera.toWorld(left, top);
+    return this.placeAt(left, top);
+  }
+
+  /** @param {number} left pixels
+   * @param {number} top
+   * @returns {import("./tool.js").Place} */
+  placeAt(left, top) {
+    const [x, y] = this.camera.toWorld(...this.onCamera(left, top));
     return { x, y, left, top };
+  }
+
+  /** A point of the canvas in the camera's own pixels.
+   * @param {number} left
+   * @param {number} top
+   * @returns {[number, number]} */
+  onCamera(left, top) {
+    return [left + (this.camera.width - this.width) / 2, top + (this.camera.height - this.height) / 2];
+  }
+
+  /** @param {import("./tool.js").Place} place
+   * @returns {import("./pinch.js").Finger} */
+  fingerAt(place) {
+    const [left, top] = this.onCamera(place.left, place.top);
+    return { left, top };
   }
 
   /** The place that keys point at: the pointer's, or the middle where the keyboard alone is used.
    * @returns {import("./tool.js").Place} */
   get keyPlace() {
-    const { camera } = this;
-    const { left, top } = this.pointed ?? { left: camera.width / 2, top: camera.height / 2 };
-    const [x, y] = camera.toWorld(left, top);
-    return { x, y, left, top };
+    const { left, top } = this.pointed ?? { left: this.width / 2, top: this.height / 2 };
+    return this.placeAt(left, top);
   }
 
   /** Move what is seen, by keys; they point at the middle then, and so does the tool.
@@ -161,7 +187,7 @@ export class Canvas {
     const { canvas, camera } = this;
     canvas.addEventListener("pointerdown", (event) => {
       this.pointed = this.placeOf(event);
-      if (event.pointerType === "touch" && this.pinch.down(event.pointerId, this.pointed)) {
+      if (event.pointerType === "touch" && this.pinch.down(event.pointerId, this.fingerAt(this.placeOf(event)))) {
         this.cancel(); // what the first finger had begun
         return;
       }
@@ -173,7 +199,7 @@ export class Canvas {
     });
     canvas.addEventListener("pointermove", (event) => {
       const place = this.placeOf(event);
-      if (this.pinch.move(event.pointerId, place)) return;
+      if (this.pinch.move(event.pointerId, this.fingerAt(place))) return;
       this.pointed = place;
       say(this.coordinates, `${fixed(place.x, 2)}, ${fixed(place.y, 2)} m`);
       (this.active ?? this.tool).move(place, event);
@@ -200,7 +226,7 @@ export class Canvas {
       (event) => {
         event.preventDefault();
         const { left, top } = this.placeOf(event);
-        camera.zoom(Math.exp(-Math.sign(event.deltaY) * Math.min(Math.abs(event.deltaY), 120) * ZOOM), left, top);
+        camera.zoom(Math.exp(-Math.sign(event.deltaY) * Math.min(Math.abs(event.deltaY), 120) * ZOOM), ...this.onCamera(left, top));
       },
       { passive: false },
     );

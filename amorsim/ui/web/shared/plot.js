@@ -3,14 +3,18 @@
 // @ts-types="./uplot.d.ts"
 import uPlot from "../vendor/uplot/uPlot.esm.js";
 import { clock, fixed, h, niceStep, say } from "./dom.js";
+import { nearest } from "./series.js";
 import { DASHES } from "./theme.js";
 
 const LEFT = 52; // pixels of the axis of values
 const LEAST_DRAG = 5; // pixels
+const FAR = 1; // seconds from the pointer: what is farther away is not told
 
 /**
- * What is drawn: samples of curves, each of a kind that has a colour and dashes.
- * @typedef {{curves: string[], times: number[], values: number[][]}} Curves
+ * What is drawn: samples of curves, each of a kind that has a colour and dashes. `band` has the lower and the upper edge
+ * of what is believed, at the same times. `others` have the same curves at other times, and are drawn pale.
+ * @typedef {{name: string, times: number[], values: number[][]}} OtherCurves
+ * @typedef {{curves: string[], times: number[], values: number[][], band?: number[][], others?: OtherCurves[]}} Curves
  * @typedef {{theme: import("./theme.js").Theme, unit: string, now?: number, least?: number}} Look
  *   `now` is the moment that is shown, `least` the least difference that means something
  */
@@ -22,7 +26,9 @@ export class Plot {
     this.values = h("output", { class: "plot-values", "aria-hidden": "true" }); // also in the table, which screen readers read
     /** Shows all of the time again; for where the plot's other controls are. */
     this.whole = h("button", { class: "tool", hidden: true, title: "all of the time (or a double click)" }, "all");
-    this.whole.addEventListener("click", () => this.zoomTo(null));
+    this.whole.addEventListener("click", () => this.zoomed(null));
+    /** Called when the user has chosen a part of the time [s], or all of it. */
+    this.zoomed = (/** @type {[number, number] | null} */ zoom) => this.zoomTo(zoom);
     element.append(this.values);
     /** @type {[number, number] | null} */
     this.zoom = null; // the time that is shown, or null for all
@@ -45,6 +51,11 @@ export class Plot {
     if (this.curves) this.draw(this.curves, this.look);
   }
 
+  destroy() {
+    this.chart?.destroy();
+    this.chart = null;
+  }
+
   /**
    * @param {Curves} curves
    * @param {Look} look
@@ -53,7 +64,7 @@ export class Plot {
     [this.curves, this.look] = [curves, look];
     const { clientWidth: width, clientHeight: height } = this.element;
     if (width < 2 * LEFT || height < 48) return;
-    const made = [look.theme, look.unit, this.magnify, ...curves.curves];
+    const made = [look.theme, look.unit, this.magnify, curves.others?.length, Boolean(curves.band), ...curves.curves];
     if (!this.chart || made.length !== this.made.length || made.some((part, n) => part !== this.made[n])) {
       this.chart?.destroy();
       this.made = made;
@@ -62,13 +73,13 @@ export class Plot {
       this.chart.setSize({ width, height });
     }
     const newest = curves.times[curves.times.length - 1] ?? 0;
-    const last = Math.max(look.now ?? 0, newest, 1);
-    const [from, to] = this.zoom ?? [0, last];
+    const [from, to] = spanOf(curves, look, this.zoom);
     this.range = rangeOf(curves, from, to, look.least ?? 1e-6);
     this.marked = (look.now ?? Infinity) < newest - 1e-9 ? look.now : NaN;
-    const columns = curves.values.map((column) => column.map((value) => (Number.isFinite(value) ? value : null)));
+    const columns = [...(curves.band ?? []), ...curves.values].map(withGaps);
+    const tables = [[curves.times, ...columns], ...(curves.others ?? []).map((other) => [other.times, ...other.values.map(withGaps)])];
     this.chart.batch(() => {
-      this.chart.setData([curves.times, ...columns], false);
+      this.chart.setData(tables.length > 1 ? uPlot.join(tables) : tables[0], false);
       this.chart.setScale("x", { min: from, max: to });
       this.chart.setScale("y", { min: this.range[0], max: this.range[1] });
     });
@@ -83,6 +94,13 @@ export class Plot {
    */
   make(curves, { theme, unit }, width, height) {
     const large = this.magnify;
+    const series = (/** @type {string} */ kind, /** @type {number} */ alpha) => ({
+      stroke: theme[kind] ?? theme.ink,
+      alpha,
+      width: 1.5 * large,
+      dash: (DASHES[kind] ?? []).map((/** @type {number} */ part) => part * 0.8 * large),
+      points: { show: false },
+    });
     const quiet = { stroke: theme.soft, font: `${11 * large}px system-ui, sans-serif`, ticks: { show: false } };
     return new uPlot(
       {
@@ -94,7 +112,8 @@ export class Plot {
           y: false,
           drag: { x: true, y: false, setScale: false, dist: LEAST_DRAG },
           points: { size: 6, width: 0 },
-          bind: { dblclick: () => () => (this.zoomTo(null), null) },
+          bind: { dblclick: () => () => (this.zoomed(null), null) },
+          sync: { key: "time", setSeries: false },
         },
         scales: { x: { time: false, auto: false }, y: { auto: false, range: () => /** @type {[number, number]} */ (this.range) } },
         axes: [
@@ -108,14 +127,12 @@ export class Plot {
             values: (_, lines) => lines.map((value) => fixed(value, decimalsOf(lines))),
           },
         ],
+        bands: curves.band ? [{ series: [2, 1], fill: theme["estimated-fill"] }] : [],
         series: [
           {},
-          ...curves.curves.map((kind) => ({
-            stroke: theme[kind] ?? theme.ink,
-            width: 1.5 * large,
-            dash: (DASHES[kind] ?? []).map((/** @type {number} */ part) => part * 0.8 * large),
-            points: { show: false },
-          })),
+          ...(curves.band ?? []).map(() => ({ width: 0, stroke: "transparent", points: { show: false } })),
+          ...curves.curves.map((kind) => series(kind, 1)),
+          ...(curves.others ?? []).flatMap(() => curves.curves.map((kind) => series(kind, 0.4))),
         ],
         hooks: {
           draw: [(chart) => this.mark(chart, theme, unit)],
@@ -123,7 +140,7 @@ export class Plot {
           setSelect: [(chart) => this.selected(chart)],
         },
       },
-      [curves.times, ...curves.values.map(() => [])],
+      [[], ...(curves.band ?? []).map(() => []), ...[curves, ...(curves.others ?? [])].flatMap(({ values }) => values.map(() => []))],
       this.element,
     );
   }
@@ -161,33 +178,54 @@ export class Plot {
     if (width < LEAST_DRAG) return;
     const [from, to] = [chart.posToVal(left, "x"), chart.posToVal(left + width, "x")];
     chart.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
-    this.zoomTo([from, to]);
+    this.zoomed([from, to]);
   }
 
   /** Tell the values under the pointer. */
   tell() {
-    const n = this.chart?.cursor.idx;
-    if (n === null || n === undefined || !(this.chart.cursor.left >= 0) || this.curves.times[n] === undefined) {
+    const place = this.chart?.cursor.idx;
+    const time = this.chart?.cursor.left >= 0 && Number.isInteger(place) ? this.chart.data[0][place] : undefined;
+    if (time === undefined) {
       say(this.values, "");
       return;
     }
     const decimals = Math.max(0, Math.round(-Math.log10(this.look.least ?? 1e-3)));
-    const values = this.curves.curves.map((kind, c) => `${kind} ${fixed(this.curves.values[c][n], decimals)}`);
-    say(this.values, `${fixed(this.curves.times[n], 2)} s: ${values.join(" · ")} ${this.look.unit}`);
+    const { curves, others = [] } = this.curves;
+    const told = [{ name: "", ...this.curves }, ...others].flatMap(({ name, times, values }) => {
+      const n = nearest(times, time);
+      if (n < 0 || Math.abs(times[n] - time) > FAR) return [];
+      const words = curves.map((kind, c) => `${kind} ${fixed(values[c][n], decimals)}`).join(" · ");
+      return [name ? `${name}: ${words}` : words];
+    });
+    say(this.values, `${fixed(time, 2)} s: ${told.join(" · ")} ${this.look.unit}`);
   }
+}
+
+/** @param {number[]} column */
+const withGaps = (column) => column.map((value) => (Number.isFinite(value) ? value : null));
+
+/**
+ * The time that is shown, from and to [s].
+ * @param {Curves} curves
+ * @param {Look} look
+ * @param {[number, number] | null} zoom
+ */
+export function spanOf(curves, look, zoom) {
+  const ends = [curves, ...(curves.others ?? [])].map(({ times }) => times[times.length - 1] ?? 0);
+  return zoom ?? [0, Math.max(look.now ?? 0, ...ends, 1)];
 }
 
 /** A moment on the axis: in minutes where it is long.
  * @param {number} time
  * @param {number[]} all */
-const timeOf = (time, all) =>
+export const timeOf = (time, all) =>
   all[all.length - 1] >= 120 ? clock(time).replace(/\.0$/, "") : `${Number(time.toFixed(6))} s`.replace("-", "−");
 
 /** Values of round distance.
  * @param {number} low
  * @param {number} high
  * @param {number} height pixels */
-function linesBetween(low, high, height) {
+export function linesBetween(low, high, height) {
   const step = niceStep(((high - low) * 26) / Math.max(height - 30, 26));
   const lines = [];
   for (let n = Math.ceil(low / step - 1e-9); n * step <= high + step * 1e-9; n++) lines.push(n * step);
@@ -195,7 +233,7 @@ function linesBetween(low, high, height) {
 }
 
 /** @param {number[]} lines */
-const decimalsOf = (lines) => (lines.length < 2 ? 3 : Math.max(0, -Math.floor(Math.log10(lines[1] - lines[0]) + 1e-9)));
+export const decimalsOf = (lines) => (lines.length < 2 ? 3 : Math.max(0, -Math.floor(Math.log10(lines[1] - lines[0]) + 1e-9)));
 
 /**
  * Bounds of the axis: all finite values of a time, a little air, never of less height than four of the least digits shown.
@@ -205,14 +243,17 @@ const decimalsOf = (lines) => (lines.length < 2 ? 3 : Math.max(0, -Math.floor(Ma
  * @param {number} least
  * @returns {[number, number]}
  */
-function rangeOf({ times, values }, from, to, least) {
+function rangeOf(curves, from, to, least) {
   let [low, high] = [Infinity, -Infinity];
-  for (const column of values) {
-    for (let n = 0; n < column.length; n++) {
-      const value = column[n];
-      if (!Number.isFinite(value) || times[n] < from || times[n] > to) continue;
-      if (value < low) low = value;
-      if (value > high) high = value;
+  const tables = [curves, ...(curves.others ?? []), { times: curves.times, values: curves.band ?? [] }];
+  for (const { times, values } of tables) {
+    for (const column of values) {
+      for (let n = 0; n < column.length; n++) {
+        const value = column[n];
+        if (!Number.isFinite(value) || times[n] < from || times[n] > to) continue;
+        if (value < low) low = value;
+        if (value > high) high = value;
+      }
     }
   }
   if (low > high) return [0, 1];

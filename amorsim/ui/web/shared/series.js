@@ -28,3 +28,17 @@ export class Series {
     this.values = this.values.map((column) => column.filter(keep));
   }
 }
+
+/** The place of the time that is nearest; -1 where there are none.
+ * @param {number[]} times in order
+ * @param {number} time */
+export function nearest(times, time) {
+  let [low, high] = [0, times.length];
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (times[middle] < time) low = middle + 1;
+    else high = middle;
+  }
+  if (low === times.length || (low > 0 && time - times[low - 1] < times[low] - time)) low -= 1;
+  return low;
+}

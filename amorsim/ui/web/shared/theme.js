@@ -1,5 +1,7 @@
 // The colours of the canvas are those of the style sheet: one place says what green, orange and blue are.
 
+import { keep, kept } from "./storage.js";
+
 const NAMES = [
   "true", "measured", "estimated", "true-fill", "measured-fill", "estimated-fill", "wall", "known-wall", "paper",
   "grid", "ink", "soft", "danger", "obstacle", "line",
@@ -22,27 +24,6 @@ export function readTheme(element) {
 }
 
 const KEPT = "amorsim-theme";
-/** @type {string | null} */
-let chosen = null; // where nothing may be stored, as in a notebook
-
-function keptTheme() {
-  try {
-    return localStorage.getItem(KEPT);
-  } catch {
-    return chosen;
-  }
-}
-
-/** @param {string} theme */
-function keepTheme(theme) {
-  chosen = theme;
-  try {
-    localStorage.setItem(KEPT, theme);
-  } catch {
-    // It holds for this page alone.
-  }
-}
-
 /** Follow what the user chose last, or else the page around this one (`data-around` and an event of that name), or the
  * system's light or dark.
  * @param {Element} root */
@@ -50,8 +31,8 @@ export function startTheme(root) {
   const page = document.documentElement;
   const system = window.matchMedia("(prefers-color-scheme: dark)");
   const apply = () => {
-    const kept = keptTheme();
-    const wanted = kept === "dark" || kept === "light" ? kept : page.dataset.around;
+    const chosen = kept(KEPT);
+    const wanted = chosen === "dark" || chosen === "light" ? chosen : page.dataset.around;
     const dark = wanted ? wanted === "dark" : system.matches;
     page.dataset.theme = dark ? "dark" : "light";
     root.dispatchEvent(new CustomEvent("theme"));
@@ -60,7 +41,7 @@ export function startTheme(root) {
   page.addEventListener("around", apply);
   apply();
   return () => {
-    keepTheme(page.dataset.theme === "dark" ? "light" : "dark");
+    keep(KEPT, page.dataset.theme === "dark" ? "light" : "dark");
     apply();
   };
 }

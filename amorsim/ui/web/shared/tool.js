@@ -44,7 +44,12 @@ export class Tool {
 export class Hand extends Tool {
   /**
    * @param {import("./camera.js").Camera} camera
-   * @param {{clicked?: (place: Place) => void, panned?: () => void}} on
+   * @param {{
+   *   clicked?: (place: Place) => void,
+   *   panned?: () => void,
+   *   boxing?: (box: number[] | null) => void,
+   *   boxed?: (box: number[]) => void,
+   * }} on `boxing` and `boxed` get a box in the world [m] that is dragged out with Shift
    */
   constructor(camera, on) {
     super();
@@ -52,22 +57,34 @@ export class Hand extends Tool {
     this.on = on;
     /** @type {{left: number, top: number} | null} */
     this.from = null;
+    /** @type {Place | null} */
+    this.corner = null; // of a box, where it was begun
     this.moved = 0;
   }
 
   get cursor() {
+    if (this.corner) return "crosshair";
     return this.from ? "grabbing" : "grab";
   }
 
-  /** @param {Place} place */
-  down({ left, top }) {
-    this.from = { left, top };
+  /** @param {Place} place
+   * @param {PointerEvent} event */
+  down(place, event) {
+    this.from = { left: place.left, top: place.top };
+    this.corner = this.on.boxed && event.shiftKey ? place : null;
     this.moved = 0;
   }
 
   /** @param {Place} place */
-  move({ left, top }) {
+  move(place) {
     if (!this.from) return;
+    const { left, top } = place;
+    if (this.corner) {
+      this.moved += Math.abs(left - this.from.left) + Math.abs(top - this.from.top);
+      this.from = { left, top };
+      this.on.boxing(boxOf(this.corner, place));
+      return;
+    }
     const [right, down] = [left - this.from.left, top - this.from.top];
     this.moved += Math.abs(right) + Math.abs(down);
     this.from = { left, top };
@@ -80,12 +97,16 @@ export class Hand extends Tool {
    * @param {PointerEvent} event */
   up(place, event) {
     const isClick = this.from !== null && this.moved <= STILL && event.button === 0;
-    this.from = null;
+    const { corner } = this;
+    this.cancel();
+    if (corner && !isClick) this.on.boxed(boxOf(corner, place));
     if (isClick) this.on.clicked?.(place);
   }
 
   cancel() {
     this.from = null;
+    if (this.corner) this.on.boxing(null);
+    this.corner = null;
   }
 
   /** @param {KeyboardEvent} event
@@ -96,3 +117,8 @@ export class Hand extends Tool {
     return true;
   }
 }
+
+/** The box between two corners, as [left, bottom, right, top] [m].
+ * @param {Place} one
+ * @param {Place} other */
+const boxOf = (one, other) => [Math.min(one.x, other.x), Math.min(one.y, other.y), Math.max(one.x, other.x), Math.max(one.y, other.y)];

@@ -42,6 +42,7 @@ export function listenToKeys(simulator) {
     "-": () => stage.camera.zoom(1 / 1.3),
     n: () => simulator.nextRobot(1),
     p: () => simulator.nextRobot(-1),
+    b: () => simulator.toggleFleet(),
     l: () => simulator.toggleTheme(),
     c: () => simulator.setLecture(!simulator.isLecture),
     "?": () => showKeys(timebar.isRecorded),

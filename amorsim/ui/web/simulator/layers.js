@@ -1,8 +1,9 @@
 // The Simulator's own layers: what the selected robot knows, its readings and path, and where an event happened.
 
 import { drawCloud, drawHypotheses } from "../shared/cloud.js";
-import { drawBelievedParts, drawEllipse, drawMap, drawMarks, drawRobot, drawTrail } from "../shared/marks.js";
+import { drawBelievedParts, drawEllipse, drawMap, drawMarks, drawRobot, drawTrail, trace } from "../shared/marks.js";
 import { SceneLayer } from "../shared/world.js";
+import { poseAt } from "./futures.js";
 import { drawReadings, isDrawn } from "./readings.js";
 
 /** @typedef {import("../shared/layer.js").Brush} Brush */
@@ -87,6 +88,100 @@ export class MarkLayer extends SceneLayer {
       context.moveTo(x - size, y - side * size);
       context.lineTo(x + size, y + side * size);
     }
+    context.stroke();
+  }
+}
+
+/**
+ * The paths of other futures, and where the robot was in each of them at this time.
+ * @extends {SceneLayer<import("./stage.js").Stage>}
+ */
+export class FuturesLayer extends SceneLayer {
+  /** @param {import("./stage.js").Stage} stage
+   * @param {View} view */
+  constructor(stage, view) {
+    super(stage);
+    this.view = view;
+  }
+
+  get isShown() {
+    return super.isShown && this.stage.futures.length > 0;
+  }
+
+  /** @param {Brush} brush */
+  draw({ context, camera, theme }) {
+    const { stage, view, robot } = this;
+    for (const future of stage.futures) {
+      context.globalAlpha = 0.5;
+      drawTrail(context, camera, view === "true" ? future.trueTrail : future.estimatedTrail, view, theme);
+      const pose = poseAt(future, view, stage.frame.tick);
+      if (pose && robot) {
+        context.beginPath();
+        trace(context, robot.footprint, pose[0], pose[1], pose[2]);
+        context.strokeStyle = theme[view];
+        context.lineWidth = 2 / camera.scale;
+        context.stroke();
+      }
+      context.globalAlpha = 1;
+    }
+  }
+}
+
+/**
+ * The names of other futures, at their robots or at the ends of their paths.
+ * @extends {SceneLayer<import("./stage.js").Stage>}
+ */
+export class FutureNamesLayer extends SceneLayer {
+  /** @type {"pane"} */
+  space = "pane";
+
+  /** @param {import("./stage.js").Stage} stage
+   * @param {View} view */
+  constructor(stage, view) {
+    super(stage);
+    this.view = view;
+  }
+
+  get isShown() {
+    return super.isShown && this.stage.futures.length > 0;
+  }
+
+  /** @param {Brush} brush */
+  draw({ context, camera, theme }) {
+    context.font = "650 13px system-ui, sans-serif";
+    context.lineJoin = "round";
+    context.lineWidth = 3;
+    context.strokeStyle = theme.paper;
+    context.fillStyle = theme[this.view];
+    for (const future of this.stage.futures) {
+      const pose = poseAt(future, this.view, this.stage.frame.tick) ?? future[this.view].at(-1);
+      if (!pose) continue;
+      const [x, y] = camera.toScreen(pose[0], pose[1]);
+      const gap = 0.8 * (this.robot?.reach ?? 0) * camera.scale + 4;
+      context.strokeText(future.name, x + gap, y + gap);
+      context.fillText(future.name, x + gap, y + gap);
+    }
+  }
+}
+
+/**
+ * The box that is being drawn around robots.
+ * @extends {SceneLayer<import("./stage.js").Stage>}
+ */
+export class BoxLayer extends SceneLayer {
+  get isShown() {
+    return Boolean(this.stage.box);
+  }
+
+  /** @param {Brush} brush */
+  draw({ context, camera, theme }) {
+    const [x0, y0, x1, y1] = this.stage.box;
+    context.fillStyle = theme["estimated-fill"];
+    context.strokeStyle = theme.estimated;
+    context.lineWidth = 1.5 / camera.scale;
+    context.beginPath();
+    context.rect(x0, y0, x1 - x0, y1 - y0);
+    context.fill();
     context.stroke();
   }
 }

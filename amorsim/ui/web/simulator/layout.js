@@ -1,6 +1,7 @@
 // The window's elements, as they stand; `simulator.js` gives them life.
 
 import { h } from "../shared/dom.js";
+import { Arrangement } from "./arrangement.js";
 
 const swatch = (kind) => h("span", { class: `swatch ${kind}`, "aria-hidden": "true" });
 const panel = (name, ...children) => h("section", { class: `panel ${name}`, "aria-labelledby": `${name}-title` }, children);
@@ -22,7 +23,7 @@ export const BELIEFS = [
   ["hypotheses", "hypothesisCount", "where its estimator thinks the robot might be, each with 95 %"],
 ];
 
-export function build({ stage, timebar, driving, form, replay }) {
+export function build({ stage, timebar, driving, form, replay, futures, fleet }) {
   const parts = {};
   const make = (name, element) => (parts[name] = element);
   parts.tools = new Map(
@@ -55,6 +56,7 @@ export function build({ stage, timebar, driving, form, replay }) {
       make("page", h("button", { class: "server-only", title: "this run as one file, which plays in any browser without amorsim" }, "page")),
       make("picture", h("button", { title: "a picture of the view" }, "picture")),
       make("film", h("button", { class: "server-only", title: "record the view as a GIF", "aria-pressed": "false" }, "GIF")),
+      make("asAtFirst", h("button", { class: "icon", hidden: true, "aria-label": "panels as at first", title: "panels as at first" }, "⊞")),
       make("lecture", h("button", { "aria-pressed": "false", title: "large, for a class (C)" }, "lecture")),
       make("theme", h("button", { class: "icon", "aria-label": "light or dark (L)", title: "light or dark (L)" }, "◐")),
       make("keys", h("button", { class: "icon", "aria-label": "keys (?)", title: "keys (?)" }, "?")),
@@ -83,6 +85,7 @@ export function build({ stage, timebar, driving, form, replay }) {
       make("knownTools", h(
         "div",
         { class: "known-tools" },
+        make("fleet", h("button", { class: "tool", hidden: true, "aria-pressed": "false", title: "list of robots (B)" }, "robots")),
         stage.mapped.element,
         stage.intended.element,
         make("sensors", h("div", { class: "tools", role: "group", "aria-label": "sensors that are drawn" })),
@@ -90,6 +93,7 @@ export function build({ stage, timebar, driving, form, replay }) {
     )),
     stage.control.element,
   );
+  stage.control.element.append(fleet.element);
   const about = panel("run", head("run", "This run"), scroll("about this run", replay.element));
   const side = panel(
     "errors",
@@ -114,28 +118,33 @@ export function build({ stage, timebar, driving, form, replay }) {
         h(
           "thead",
           {},
-          h("tr", {}, make("numbersTitle", h("th", { scope: "col", id: "numbers-title" }, "quantity")), column("true"), column("measured"), column("estimated"), h("th", { scope: "col", class: "difference" }, "difference")),
+          h("tr", {}, h("th", { scope: "col" }, make("numbersTitle", h("span", { id: "numbers-title" }, "quantity"))), column("true"), column("measured"), column("estimated"), h("th", { scope: "col", class: "difference" }, "difference")),
         ),
         make("table", h("tbody", {})),
       ),
     ),
   );
-  const plot = panel(
-    "plot",
-    h("div", { class: "head" }, make("plotTitle", h("h2", { id: "plot-title" }, "Over time")), make("plotHead", h("div", { class: "tools" }))),
-    h("div", { class: "plot-area" }, make("plot", h("div", { class: "chart", role: "group", "aria-label": "plot" }))),
-  );
+  // The first plot takes the title into its head.
+  make("plotHead", h("div", { class: "plot-title" }, make("plotTitle", h("h2", { id: "plot-title" }, "Over time"))));
+  const plot = panel("plot", futures.element, make("plots", h("div", { class: "plots" }, parts.plotHead)));
   const events = panel(
     "events",
     head("events", "Events"),
     scroll("events", make("events", h("ol", { class: "events-list" }))),
+  );
+  const arrangement = make(
+    "arrangement",
+    new Arrangement(
+      { left: [robot], right: [control], low: [numbers], middle: [plot], last: [events], side: [side, about] },
+      () => (parts.asAtFirst.hidden = parts.arrangement?.isFirst ?? true),
+    ),
   );
   parts.element = h(
     "div",
     { class: "window" },
     header,
     make("banner", h("div", { class: "banner", role: "alert", hidden: true })),
-    h("div", { class: "panels" }, robot, control, side, about, numbers, plot, events),
+    arrangement.element,
     timebar.past,
     make("card", h("div", { class: "card", role: "status", hidden: true })),
   );

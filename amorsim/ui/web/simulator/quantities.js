@@ -7,9 +7,10 @@ const DEGREES = 180 / Math.PI;
 export const KINDS = ["true", "measured", "estimated", "difference"];
 
 /**
- * The quantities of a robot: `{key, label, unit, decimals, of(frame, i)}`, where `of` gives `[true, measured,
- * estimated, difference]` with NaN for what there is not. The difference is estimated less true, or measured less true
- * of what nobody estimates.
+ * The quantities of a robot: `{key, label, unit, decimals, of(frame, i), sigma(frame, i)}`, where `of` gives `[true,
+ * measured, estimated, difference]` with NaN for what there is not. The difference is estimated less true, or measured
+ * less true of what nobody estimates. `sigma`, of what has a covariance, is the standard deviation that the robot
+ * believes in.
  */
 export function quantitiesOf(robot) {
   const metres = robot.reach < 0.1 ? 4 : 3; // of a tabletop robot to a tenth of a millimetre
@@ -20,13 +21,22 @@ export function quantitiesOf(robot) {
   const fix = (frame, k) => (gps >= 0 ? (frame.sensors[gps]?.measured[k] ?? NaN) : NaN);
   const reading = (frame, s, which) => (s >= 0 ? (frame.sensors[s]?.[which][0] ?? NaN) : NaN);
   const list = [
-    plain("x", named("x", robot, gps), "m", metres, (f, i) => [f.truePoses[3 * i], fix(f, 0), f.estimatedPoses[3 * i]]),
-    plain("y", named("y", robot, gps), "m", metres, (f, i) => [f.truePoses[3 * i + 1], fix(f, 1), f.estimatedPoses[3 * i + 1]]),
-    angle("heading", named("heading", robot, compass), (f, i) => [
-      f.truePoses[3 * i + 2],
-      reading(f, compass, "measured"),
-      f.estimatedPoses[3 * i + 2],
-    ]),
+    {
+      ...plain("x", named("x", robot, gps), "m", metres, (f, i) => [f.truePoses[3 * i], fix(f, 0), f.estimatedPoses[3 * i]]),
+      sigma: (f, i) => Math.sqrt(f.covariances[6 * i]),
+    },
+    {
+      ...plain("y", named("y", robot, gps), "m", metres, (f, i) => [f.truePoses[3 * i + 1], fix(f, 1), f.estimatedPoses[3 * i + 1]]),
+      sigma: (f, i) => Math.sqrt(f.covariances[6 * i + 3]),
+    },
+    {
+      ...angle("heading", named("heading", robot, compass), (f, i) => [
+        f.truePoses[3 * i + 2],
+        reading(f, compass, "measured"),
+        f.estimatedPoses[3 * i + 2],
+      ]),
+      sigma: (f, i) => DEGREES * Math.sqrt(f.covariances[6 * i + 5]),
+    },
     {
       key: "apart",
       label: "apart",

@@ -5,12 +5,16 @@ import { leadBack } from "./back.js";
 import { colourChip, fixed, h, say } from "../shared/dom.js";
 import { Driving } from "./drive.js";
 import { Events } from "./events.js";
+import { Fleet } from "./fleet.js";
+import { Futures } from "./futures.js";
 import { Form } from "../shared/forms.js";
 import { listenToKeys } from "./keys.js";
 import { BELIEFS, build } from "./layout.js";
 import { Numbers } from "./numbers.js";
+import { Plots } from "./plots.js";
 import { FLAG, ROBOT, readFrame } from "./protocol.js";
 import { isDrawn } from "./readings.js";
+import { Record } from "./record.js";
 import { Saving } from "./saving.js";
 import { Replay } from "./replay.js";
 import { readScene } from "../shared/scene.js";
@@ -35,6 +39,7 @@ export class Simulator {
       ask: (command) => this.connection.ask(command),
       picked: (pane, place) => this.picked(pane, place),
       option: (name, value) => this.showOption(name, value),
+      boxed: (robots) => this.listRobots(robots),
       drawn: (...what) => this.drawn(...what),
     });
     this.timebar = new TimeBar(ask);
@@ -48,10 +53,17 @@ export class Simulator {
       remove: (path) => change({ do: "remove", path }),
       noises: (path, value) => this.ask({ do: "noises", path, robot: this.robot.name, ...(value ? { value } : {}) }),
     });
+    this.fleet = new Fleet((robot) => this.ask({ do: "select", robot }));
+    this.futures = new Futures({ ask, changed: () => this.showFutures() });
     this.parts = build(this);
     root.replaceChildren(this.parts.element);
-    this.numbers = new Numbers(this.parts.table, this.parts.plotHead, this.parts.plot);
-    this.numbers.changed = () => this.drawNumbers();
+    this.numbers = new Numbers(this.parts.table, { plot: (key) => this.plots.choose(key), add: (key) => this.plots.add(key) });
+    this.record = new Record(null);
+    this.plots = new Plots(this.parts.plots, this.parts.plotHead, {
+      changed: () => this.drawNumbers(),
+      zoomed: (zoom) => this.stage.showTimes(zoom),
+      fileName: () => this.saving.fileName,
+    });
     this.events = new Events(this.parts.events, {
       go: (event) => this.go(event),
       back: () => this.ask({ do: "go_back" }),
@@ -93,6 +105,9 @@ export class Simulator {
     document.title = `${this.scene.scenario} · amorsim`;
     this.parts.robot.replaceChildren(...this.scene.robots.map((robot, i) => h("option", { value: String(i) }, robot.name)));
     this.stage.setScene(this.scene, (name) => this.image(name));
+    this.fleet.setScene(this.scene);
+    this.parts.fleet.hidden = this.scene.robots.length < 2;
+    this.parts.arrangement.load(this.scene.scenario);
     if (this.scene.recorded) this.setRecorded();
     this.askState();
     // A frame that came before its scene may be the last for long: while nothing moves there is no other.
@@ -128,7 +143,7 @@ export class Simulator {
     this.stage.setFrame(frame);
     this.showBeliefs(frame);
     const isRecorded = Boolean(this.scene.recorded);
-    if (!isRecorded && !(frame.states & (FLAG.scrubbed | FLAG.posesOnly))) this.numbers.record(frame);
+    if (!isRecorded && !(frame.states & (FLAG.scrubbed | FLAG.posesOnly))) this.record.add(frame);
     this.timebar.show(frame, this.scene);
     if (!isRecorded) this.showPast(frame);
     this.driving.isRunning = Boolean(frame.states & FLAG.running);
@@ -172,9 +187,12 @@ export class Simulator {
     this.stage.clearTrails();
     this.stage.trueSensors = [];
     if (isOther && this.robot) this.showRobot();
-    this.numbers.clear();
+    this.record.clear();
     this.readHistory();
-    if (!this.scene.recorded) this.readParameters();
+    if (!this.scene.recorded) {
+      this.readParameters();
+      this.futures.read(this.robot, this.scene.dt, this.isStill());
+    }
     this.readEvents();
   }
 
@@ -186,7 +204,10 @@ export class Simulator {
     this.parts.plotTitle.replaceChildren(...[chip(), "Over time"].filter(Boolean));
     const lack = this.robot.knowledge ? "" : `${this.robot.name} has no map (robots.knowledge.map)`;
     say(this.stage.control.lack, lack);
-    this.numbers.setRobot(this.robot);
+    this.record = new Record(this.robot);
+    this.futures.clear();
+    this.numbers.setQuantities(this.record.quantities);
+    this.plots.setRecord(this.record);
     this.driving.setRobot(this.robot);
     const ranges = this.robot.sensors.filter(isDrawn);
     this.parts.sensors.replaceChildren(
@@ -214,13 +235,38 @@ export class Simulator {
   }
 
   async readHistory() {
-    const [epoch, selected] = [this.epoch, this.selected];
+    const isStill = this.isStill();
     const said = await this.connection.ask({ do: "history", robot: this.robot.name, max_points: 3000 });
-    if (!said.ok || epoch !== this.epoch || selected !== this.selected) return;
+    if (!said.ok || !isStill()) return;
     this.stage.trueTrail.load(said.ticks, said.true);
     this.stage.estimatedTrail.load(said.ticks, said.estimated);
-    this.numbers.load(said, this.robot, this.scene.dt);
+    this.record.load(said, this.scene.dt);
     this.stage.redraw();
+  }
+
+  /** A function that tells later whether the robot and the course of events are still those of now. */
+  isStill() {
+    const [epoch, selected] = [this.epoch, this.selected];
+    return () => epoch === this.epoch && selected === this.selected;
+  }
+
+  showFutures() {
+    this.plots.futures = this.stage.futures = this.futures.list;
+    if (this.scene) this.stage.showTimes(this.plots.zoom);
+    this.drawNumbers();
+  }
+
+  /** List the robots that a box was drawn around, or all; of a single robot there is no list. */
+  listRobots(robots) {
+    if (this.scene.robots.length < 2) return;
+    this.fleet.only(robots?.length ? robots : null);
+    if (this.fleet.element.hidden) this.toggleFleet();
+  }
+
+  toggleFleet() {
+    if (this.scene.robots.length < 2) return;
+    this.fleet.toggle();
+    this.parts.fleet.setAttribute("aria-pressed", String(!this.fleet.element.hidden));
   }
 
   async readParameters() {
@@ -236,10 +282,17 @@ export class Simulator {
     this.readingEvents = true;
     const said = await this.connection.ask({ do: "events", after: this.events.next });
     this.readingEvents = false;
-    if (!said.ok || (said.epoch !== undefined && said.epoch !== this.epoch)) return;
-    if (this.scene.recorded) this.replay.mark(said.events.filter((event) => event.number > this.events.next), Number(this.timebar.line.max));
-    this.events.add(said.events);
-    if (said.events.some((event) => /parameter|restore/.test(event.kind))) this.readParameters();
+    if (!said.ok) return;
+    const isOfNow = said.epoch === undefined || said.epoch === this.epoch;
+    if (isOfNow) this.addEvents(said.events);
+    // What came while it was asked, or belongs to another course of events by now, no later frame may announce.
+    if (this.newest.events > this.events.next) setTimeout(() => !this.readingEvents && this.readEvents(), TABLE_EVERY);
+  }
+
+  addEvents(events) {
+    if (this.scene.recorded) this.replay.mark(events.filter((event) => event.number > this.events.next), Number(this.timebar.line.max));
+    this.events.add(events);
+    if (events.some((event) => /parameter|restore/.test(event.kind))) this.readParameters();
   }
 
   async askState() {
@@ -335,11 +388,14 @@ export class Simulator {
 
   showNumbers(frame) {
     this.numbers.show(frame);
+    this.futures.show(frame);
+    this.fleet.show(frame);
     say(this.stage.control.note, this.numbers.velocities(frame));
   }
 
   drawNumbers() {
-    if (this.stage.frame) this.numbers.draw(this.stage.theme, this.stage.frame);
+    this.numbers.mark(this.plots.keys);
+    if (this.stage.frame) this.plots.draw(this.stage.theme, this.stage.frame);
   }
 
   showOption(name, value) {
@@ -348,6 +404,7 @@ export class Simulator {
     this.parts.element.classList.toggle("overlaid", value);
     const { knownTools } = this.parts; // they go where what they switch is seen
     (value ? this.parts.robotHead : this.parts.controlHead).append(knownTools);
+    (value ? this.stage.robot : this.stage.control).element.append(this.fleet.element);
     say(this.parts.robotName, value ? "Robot and Control" : "Robot");
     say(this.parts.robotNote, value ? "what is true, and over it what it knows" : "what is true");
   }
@@ -381,7 +438,7 @@ export class Simulator {
     this.parts.lecture.setAttribute("aria-pressed", String(isOn));
     const { robot, control } = this.stage;
     robot.magnify = control.magnify = isOn ? LARGE : 1;
-    this.numbers.plot.magnify = isOn ? LARGE : 1;
+    this.plots.setMagnify(isOn ? LARGE : 1);
     this.stage.resize();
     this.drawNumbers();
   }
@@ -401,6 +458,8 @@ export class Simulator {
     parts.zoom.out.addEventListener("click", () => stage.camera.zoom(1 / 1.3));
     parts.zoom.fit.addEventListener("click", () => stage.fit());
     parts.robot.addEventListener("change", () => this.ask({ do: "select", robot: Number(parts.robot.value) }));
+    parts.fleet.addEventListener("click", () => this.toggleFleet());
+    parts.asAtFirst.addEventListener("click", () => parts.arrangement.reset());
     parts.theme.addEventListener("click", () => this.toggleTheme());
     parts.lecture.addEventListener("click", () => this.setLecture(!this.isLecture));
     if (location.hash === LECTURE) this.setLecture(true);

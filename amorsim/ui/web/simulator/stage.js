@@ -9,13 +9,13 @@ import { readTheme } from "../shared/theme.js";
 import { Hand } from "../shared/tool.js";
 import { BodiesLayer, NamesLayer, SelectionLayer, WorldLayer } from "../shared/world.js";
 import { Intended, IntendedLayer } from "./intended.js";
-import { KnownLayer, MarkLayer, RobotLayer } from "./layers.js";
+import { BoxLayer, FutureNamesLayer, FuturesLayer, KnownLayer, MarkLayer, RobotLayer } from "./layers.js";
 import { Mapped, MappedLayer } from "./mapped.js";
 import { Picker } from "./pick.js";
 import { Pictures } from "../shared/pictures.js";
 import { Trail } from "./trail.js";
 
-const HELP = "Drag or Shift and arrows pan, plus and minus zoom, 0 shows all, F follows, Enter tells what is in the middle.";
+const HELP = "Drag or Shift and arrows pan, Shift and drag lists robots, plus and minus zoom, 0 shows all, F follows, Enter tells what is in the middle.";
 
 /** A canvas with what is said on it. */
 class Pane extends Canvas {
@@ -37,6 +37,7 @@ export class Stage {
    *   ask: (command: object) => Promise<any>,
    *   picked: (pane: Pane, place: import("../shared/tool.js").Place) => void,
    *   option: (name: string, value: boolean) => void,
+   *   boxed: (robots: number[]) => void,
    *   drawn: (frame: object | undefined, isNew: boolean, now: number, began: number) => void,
    * }} on
    */
@@ -57,6 +58,10 @@ export class Stage {
     this.selection = new Selection();
     this.selection.listen(() => this.redraw());
     this.mark = null;
+    /** @type {import("./futures.js").Future[]} */
+    this.futures = []; // other courses of events, drawn pale
+    /** @type {number[] | null} */
+    this.box = null; // that is being drawn around robots [m]
     this.mapped = new Mapped(on.ask, () => this.redraw());
     this.intended = new Intended(on.ask, () => this.redraw());
     this.robot = this.pane("pane-robot", "Robot: the true world");
@@ -76,6 +81,11 @@ export class Stage {
     const hand = new Hand(this.camera, {
       clicked: (place) => this.pick(pane, place),
       panned: () => this.setOption("follow", false),
+      boxing: (box) => {
+        this.box = box;
+        this.redraw();
+      },
+      boxed: (box) => this.on.boxed(this.robotsIn(box, pane.views[0])),
     });
     pane.panning = hand;
     pane.take(hand);
@@ -90,12 +100,14 @@ export class Stage {
     const [known, mapped, belief] = [new KnownLayer(this), new MappedLayer(this), new RobotLayer(this, "estimated")];
     const intended = new IntendedLayer(this);
     const [mark, seenOnes, knownOnes] = [new MarkLayer(this), new SelectionLayer(this, "true"), new SelectionLayer(this, "estimated")];
-    const seen = [new WorldLayer(this), new BodiesLayer(this), new RobotLayer(this, "true")];
+    const seen = [new WorldLayer(this), new BodiesLayer(this), new FuturesLayer(this, "true"), new RobotLayer(this, "true")];
+    const [believed, box] = [new FuturesLayer(this, "estimated"), new BoxLayer(this)];
+    const names = (/** @type {import("../shared/world.js").View} */ view) => [new NamesLayer(this, view), new FutureNamesLayer(this, view), box];
     this.robot.layers = overlay
-      ? [grid, known, mapped, ...seen, intended, belief, seenOnes, knownOnes, mark, new NamesLayer(this, "true")]
-      : [grid, ...seen, seenOnes, mark, new NamesLayer(this, "true")];
+      ? [grid, known, mapped, ...seen, intended, believed, belief, seenOnes, knownOnes, mark, ...names("true")]
+      : [grid, ...seen, seenOnes, mark, ...names("true")];
     this.robot.views = overlay ? ["estimated", "true"] : ["true"];
-    this.control.layers = [grid, known, mapped, intended, belief, knownOnes, mark, new NamesLayer(this, "estimated")];
+    this.control.layers = [grid, known, mapped, intended, believed, belief, knownOnes, mark, ...names("estimated")];
     this.control.views = ["estimated"];
   }
 
@@ -137,6 +149,24 @@ export class Stage {
     this.redraw(true);
   }
 
+  /** Draw the paths of a part of the time alone.
+   * @param {[number, number] | null} zoom seconds */
+  showTimes(zoom) {
+    const [from, to] = zoom ?? [-Infinity, Infinity];
+    for (const trail of [this.trueTrail, this.estimatedTrail, ...this.futures.flatMap((one) => [one.trueTrail, one.estimatedTrail])]) {
+      [trail.from, trail.to] = [from / this.scene.dt, to / this.scene.dt];
+    }
+    this.redraw();
+  }
+
+  /** The robots whose middle lies in a box.
+   * @param {number[]} box
+   * @param {import("../shared/world.js").View} view */
+  robotsIn([x0, y0, x1, y1], view) {
+    const poses = this.posesOf(view);
+    return this.scene.robots.map((_, i) => i).filter((i) => poses[3 * i] >= x0 && poses[3 * i] <= x1 && poses[3 * i + 1] >= y0 && poses[3 * i + 1] <= y1);
+  }
+
   clearTrails() {
     this.trueTrail.clear();
     this.estimatedTrail.clear();
@@ -175,6 +205,7 @@ export class Stage {
   resize() {
     const [width, height] = this.robot.resize();
     if (!this.options.overlay) this.control.resize();
+    if (!width || !height) return; // another panel is shown alone
     const isChanged = width !== this.camera.width || height !== this.camera.height;
     const isFirst = this.camera.width === 1;
     this.camera.resize(width, height);

@@ -13,6 +13,8 @@ export class Trail {
     this.last = -Infinity;
     /** @type {number[] | null} */
     this.end = null;
+    this.from = -Infinity; // ticks that are drawn
+    this.to = Infinity;
   }
 
   /** Add a point of a tick; what does not move is not added, and going back in time cuts the trail there. */
@@ -47,8 +49,9 @@ export class Trail {
   }
 
   each(visit) {
+    const { from, to } = this;
     const until = this.end ? this.end[0] : Infinity;
-    for (const [tick, x, y] of this.points) if (tick < until) visit(x, y);
-    if (this.end) visit(this.end[1], this.end[2]);
+    for (const [tick, x, y] of this.points) if (tick < until && tick >= from && tick <= to) visit(x, y);
+    if (this.end && this.end[0] >= from && this.end[0] <= to) visit(this.end[1], this.end[2]);
   }
 }

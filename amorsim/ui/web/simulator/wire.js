@@ -99,7 +99,7 @@ export const BLOCKS = [
  * @property {{true: Float64Array, measured: Float64Array, age: number}[]} sensors
  */
 
-/** @typedef {"state" | "scene" | "parameters" | "history" | "events" | "image" | "mapped" | "intended" | "folder" | "select" | "controls" | "run" | "pause" | "step" | "speed" | "reset" | "scrub" | "continue" | "go_back" | "replica" | "hand_over" | "drive" | "command" | "stop" | "set" | "restore" | "noises" | "add" | "remove" | "places" | "page" | "save_scenario" | "save_run" | "restart" | "reload"} CommandName */
+/** @typedef {"state" | "scene" | "parameters" | "history" | "events" | "image" | "mapped" | "intended" | "folder" | "select" | "controls" | "run" | "pause" | "step" | "speed" | "reset" | "scrub" | "continue" | "go_back" | "futures" | "forget" | "replica" | "hand_over" | "drive" | "command" | "stop" | "set" | "restore" | "noises" | "add" | "remove" | "places" | "page" | "save_scenario" | "save_run" | "restart" | "reload"} CommandName */
 
 /** @typedef {{"do": CommandName, [key: string]: unknown}} Command */
 
@@ -276,6 +276,13 @@ export const BLOCKS = [
  */
 
 /**
+ * A parameter of a robot that was set while the simulation ran, and the value set last.
+ * @typedef {object} ChangedParameter
+ * @property {string} path
+ * @property {any} value
+ */
+
+/**
  * An element of a chain: its name, that of its class, and whether the scenario does not have it.
  * @typedef {object} ElementForm
  * @property {string} name
@@ -310,6 +317,19 @@ export const BLOCKS = [
  * @property {boolean} is_given
  * @property {boolean} is_required
  * @property {string} fixed
+ */
+
+/**
+ * A course of events that was left by going on from its past: a robot's path in it, as in `History`.
+ * @typedef {object} Future
+ * @property {number} number
+ * @property {number} since
+ * @property {number} newest
+ * @property {ChangedParameter[]} changes
+ * @property {number[]} ticks
+ * @property {number[][]} true
+ * @property {number[][]} estimated
+ * @property {Past} past
  */
 
 /**

@@ -1,0 +1,68 @@
+// What is kept of a robot over time: every quantity, as true, measured and estimated, for the plots.
+
+import { nearest, Series } from "../shared/series.js";
+import { momentsOf } from "./past.js";
+import { KINDS, quantitiesOf } from "./quantities.js";
+
+const SIGMA = "sigma";
+
+export class Record {
+  /** @param {any} robot the robot's entry in the scene, or nothing */
+  constructor(robot) {
+    this.robot = robot;
+    this.quantities = robot ? quantitiesOf(robot) : [];
+    this.series = new Map(this.quantities.map((one) => [one.key, new Series([...KINDS, SIGMA])]));
+  }
+
+  /** @param {string} key */
+  quantity(key) {
+    return this.quantities.find((one) => one.key === key);
+  }
+
+  clear() {
+    for (const series of this.series.values()) series.clear();
+  }
+
+  /** Take what was recorded, after a reload, a turn to another robot or a step back in time; what came since stays.
+   * @param {{past: object, ticks: number[]}} history
+   * @param {number} dt seconds of a tick */
+  load(history, dt) {
+    const moments = momentsOf(history, this.robot, dt);
+    const last = moments.at(-1)?.time ?? -1;
+    for (const quantity of this.quantities) {
+      const series = this.series.get(quantity.key);
+      const later = series.times.flatMap((time, n) => (time > last + 1e-9 ? [[time, series.values.map((column) => column[n])]] : []));
+      series.clear();
+      for (const moment of moments) series.add(moment.time, sample(quantity, moment, 0));
+      for (const [time, values] of later) series.add(time, values);
+    }
+  }
+
+  /** Keep a frame's values; those of the past are kept already. */
+  add(frame) {
+    for (const quantity of this.quantities) this.series.get(quantity.key).add(frame.time, sample(quantity, frame, frame.selected));
+  }
+
+  /**
+   * The columns of a quantity, of these kinds or "sigma".
+   * @param {string} key
+   * @param {string[]} kinds
+   */
+  columns(key, kinds) {
+    const series = this.series.get(key);
+    return kinds.map((kind) => series.values[kind === SIGMA ? KINDS.length : KINDS.indexOf(kind)]);
+  }
+
+  /**
+   * The values of a quantity in the sample that is nearest to a time, as [true, measured, estimated, difference].
+   * @param {string} key
+   * @param {number} time
+   */
+  at(key, time) {
+    const series = this.series.get(key);
+    const n = nearest(series?.times ?? [], time);
+    return n < 0 ? null : series.values.map((column) => column[n]);
+  }
+}
+
+const sample = (quantity, frame, i) => [...quantity.of(frame, i), quantity.sigma ? quantity.sigma(frame, i) : NaN];
