@@ -1,4 +1,4 @@
-"""Makes the pictures of the tutorial "Your first simulation", in headless Chromium, as a user would do it.
+"""Makes the pictures of "Your first simulation" and "Teach with the window", in headless Chromium, as a user would.
 
 They are looked at and not compared, so make them again only where they should look different::
 
@@ -9,18 +9,18 @@ Needs the extra "dev" and Debian's chromium.
 
 from __future__ import annotations
 
-import io
 import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
-from PIL import Image
-
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
-from tests.ui.test_window_editor import Editor  # noqa: E402 - beside us, not installed
-from tests.ui.windows import CHROMIUM, FLAGS, SIMULATOR  # noqa: E402
+from make_screenshots import save  # noqa: E402 - beside us, not installed
+
+from tests.ui.lecture import give_it  # noqa: E402
+from tests.ui.test_window_editor import Editor  # noqa: E402
+from tests.ui.windows import CHROMIUM, FLAGS, SIMULATOR, add_thing  # noqa: E402
 
 __all__ = ["do_it", "make"]
 
@@ -39,12 +39,18 @@ def make(folder: Path) -> None:
 
             def show(name: str) -> None:
                 editor.page.wait_for_timeout(300)
-                with Image.open(io.BytesIO(editor.page.screenshot())) as opened:
-                    opened.convert("RGB").save(folder / f"editor-{name}.png", optimize=True)
+                save(editor.page.screenshot(), folder / f"editor-{name}.png")
 
             do_it(editor, show)
         finally:
             editor.server.close()
+        (Path(work) / "lecture").mkdir()
+        lecture = Editor(browser, Path(work) / "lecture")
+        lecture.page.set_viewport_size({"width": 1280, "height": 720})
+        try:
+            give_it(lecture, lambda name: save(lecture.page.screenshot(), folder / f"lecture-{name}.png"))
+        finally:
+            lecture.server.close()
             browser.close()
 
 
@@ -66,7 +72,7 @@ def do_it(editor: Editor, show: Callable[[str], None]) -> None:
     show("room")
 
     page.keyboard.press("Escape")
-    page.select_option("select[aria-label='add a thing']", "pioneer2dx")
+    add_thing(page, "pioneer2dx")
     editor.step(lambda: editor.drag((1.5, 1.5), (2.5, 2.5)))
     editor.until("stage.selection.only?.path === 'robots.0'")
     _open(editor, "robots.0.controller")
@@ -75,7 +81,7 @@ def do_it(editor: Editor, show: Callable[[str], None]) -> None:
     _scroll_to(editor, "robots.0.controller")
     show("robot")
 
-    page.select_option("select[aria-label='add a thing']", "post")
+    add_thing(page, "post")
     editor.step(lambda: editor.click(6.0, 4.8))
     editor.until("stage.selection.only?.kind === 'obstacle'")
     path = str(editor.see("stage.selection.only.path"))

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from tests.ui.test_window_editor import PAGE, Editor
-from tests.ui.windows import expect
+from tests.ui.windows import add_thing, expect
 
 pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
 
@@ -163,7 +163,7 @@ def test_a_copy_is_put_where_it_touches_nothing(editor: Editor) -> None:
     page.keyboard.press("r")
     editor.click(0.0, 0.0)
     editor.step(lambda: editor.click(6.0, 6.0))
-    page.select_option("select[aria-label='add a thing']", "pioneer2dx")
+    add_thing(page, "pioneer2dx")
     editor.step(lambda: editor.click(2.0, 2.0))
     editor.until("stage.selection.only?.path === 'robots.0'")
     page.focus("#pane")

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 import amorsim as am
-from tests.ui.windows import SIMULATOR, Server, Window, axe_violations, expect, new_user
+from tests.ui.windows import SIMULATOR, Server, Window, add_thing, axe_violations, expect, new_user
 
 pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
 
@@ -160,7 +160,7 @@ def test_an_empty_page_gets_walls_and_a_robot_and_runs(open_editor: Any) -> None
     editor.step(lambda: editor.click(3.0, 2.0))
     assert len(editor.see("stage.walls.walls")) == 4
     editor.look_near(0.0, 0.0)
-    page.select_option("select[aria-label='add a thing']", "pioneer2dx")
+    add_thing(page, "pioneer2dx")
     editor.step(lambda: editor.click(1.0, 0.5))
     editor.until("stage.selection.only?.path === 'robots.0'")
     expect(page.locator(".status")).to_contain_text("no faults")

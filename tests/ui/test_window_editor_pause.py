@@ -28,13 +28,13 @@ def test_faults_of_the_text_show_at_their_lines_after_a_pause_in_typing(editor: 
     assert page.evaluate(module) <= 500  # [ms]: half of the second is left for the work
     steps = editor.see("state.steps")
     page.click("text=text")
-    page.wait_for_selector("dialog .CodeMirror")
+    page.wait_for_selector(".beside .CodeMirror")
     page.locator(".CodeMirror").click()
     page.keyboard.press("Control+End")
     page.keyboard.type("\n[[robots]]\nname = 5\n")
-    page.wait_for_selector("dialog .code-fault-text")
+    page.wait_for_selector(".beside .code-fault-text")
     editor.until(f"state.steps > {steps}")
-    page.click("dialog .main")
+    page.click(".beside .main")
     editor.until("faults.length > 0")
     while editor.see("state.steps") > steps:
         editor.step(lambda: page.keyboard.press("Control+z"))

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from tests.ui.test_window_editor import Editor
-from tests.ui.windows import expect
+from tests.ui.windows import add_thing, expect
 
 pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
 
@@ -34,7 +34,7 @@ def test_the_view_stays_while_things_are_drawn_and_shows_all_of_another_world(ed
     inspector = page.locator(".inspector")
     expect(inspector).to_contain_text("nothing is here yet: press R")
     before = view()
-    page.select_option("select[aria-label='add a thing']", "pioneer2dx")
+    add_thing(page, "pioneer2dx")
     editor.step(lambda: editor.click(2.0, 2.0))
     assert view() == pytest.approx(before)
     page.keyboard.press("Escape")

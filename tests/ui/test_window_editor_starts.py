@@ -10,6 +10,7 @@ import pytest
 
 import amorsim as am
 from tests.ui.test_window_editor import PAGE, Editor
+from tests.ui.windows import add_thing
 
 pytestmark = pytest.mark.long
 
@@ -35,7 +36,7 @@ def test_a_fleet_at_random_is_drawn_where_a_run_starts_it_and_its_box_is_dragged
     page.fill("#typed-length", "8")
     page.fill("#typed-angle", "6")
     editor.step(lambda: page.press("#typed-angle", "Enter"))
-    page.select_option("select[aria-label='add a thing']", "fleet of robots…")
+    add_thing(page, "fleet of robots…")
     editor.drag((0.6, 0.5), (4.4, 3.5))
     page.fill("dialog input", "6")
     editor.step(lambda: page.click("dialog .main"))
@@ -92,7 +93,7 @@ def test_walls_are_drawn_in_a_generated_world(editor: Editor) -> None:
 
 def test_what_a_robot_knows_is_set_by_forms(editor: Editor, tmp_path: Path) -> None:
     page = editor.page
-    page.select_option("select[aria-label='add a thing']", "pioneer2dx")
+    add_thing(page, "pioneer2dx")
     editor.step(lambda: editor.click(2.0, 2.0))
     editor.step(lambda: editor.see("edit('wall', [{op: 'walls', add: [[1, 1, 5, 1]]}])"))
     editor.until("stage.selection.only?.path === 'robots.0'")

@@ -13,7 +13,7 @@ from PIL import Image
 
 import amorsim as am
 from tests.ui.test_window_editor import PAGE, Editor
-from tests.ui.windows import SIMULATOR, eventually, expect
+from tests.ui.windows import SIMULATOR, add_thing, eventually, expect
 
 pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
 
@@ -32,7 +32,7 @@ def open_editor(browser: Any, tmp_path: Path) -> Iterator[Any]:
 
 
 def add(editor: Editor, kind: str) -> None:
-    editor.page.select_option("select[aria-label='add a thing']", kind)
+    add_thing(editor.page, kind)
 
 
 def text_of(editor: Editor) -> str:
@@ -67,10 +67,10 @@ def test_from_nothing_to_a_run_and_back_to_nothing(open_editor: Any, tmp_path: P
     editor.step(lambda: editor.click(1.5, 1.5))
     editor.until("stage.selection.only?.path === 'robots.0'")
     page.select_option("#mounts", "laser")
-    (grip, turn) = editor.see("stage.grips().map(({x, y}) => [x, y])")
+    grip, _, *_ = editor.see("stage.grips().map(({x, y}) => [x, y])")
     editor.step(lambda: editor.drag(grip, (grip[0] + 0.1, grip[1])))
     assert editor.see("stage.things.find(({path}) => path === 'robots.0').mounts[1].pose[0]") == pytest.approx(0.12)
-    (_, turn) = editor.see("stage.grips().map(({x, y}) => [x, y])")
+    _, turn, *_ = editor.see("stage.grips().map(({x, y}) => [x, y])")
     editor.step(lambda: editor.drag(turn, (grip[0] + 0.1, grip[1] + 0.8)))
     assert editor.see("stage.things.find(({path}) => path === 'robots.0').mounts[1].pose[2]") == pytest.approx(
         np.pi / 2
@@ -100,7 +100,7 @@ def test_from_nothing_to_a_run_and_back_to_nothing(open_editor: Any, tmp_path: P
     page.click('[data-key="robots.0"]')
     page.click("text=write one in Python…")
     page.click("dialog .main")
-    page.wait_for_selector("dialog .CodeMirror")
+    page.wait_for_selector(".beside .CodeMirror")
     page.locator(".CodeMirror").click()
     page.keyboard.press("Control+End")
     page.keyboard.type("raise RuntimeError('oh dear')\n")
@@ -110,7 +110,7 @@ def test_from_nothing_to_a_run_and_back_to_nothing(open_editor: Any, tmp_path: P
         page.keyboard.press("Control+z")
     page.keyboard.press("Control+s")
     page.wait_for_selector(".code-fault-text", state="detached", timeout=60_000)
-    page.click("dialog >> text=close")
+    page.click(".beside >> text=close")
     editor.until("!state.is_checking && !faults.length", seconds=60.0)
     # It runs, not saved yet, and the way back keeps everything.
     steps = editor.see("state.steps")
@@ -126,7 +126,7 @@ def test_from_nothing_to_a_run_and_back_to_nothing(open_editor: Any, tmp_path: P
     page.click("[aria-label='play here']")
     editor.until("playing?.tick > 5", seconds=120.0)
     assert editor.see("watching")
-    expect(page.locator("[aria-label='add a thing']")).to_be_hidden()
+    expect(page.get_by_role("button", name="add …")).to_be_hidden()
     assert page.evaluate(f"Array.from({PAGE}.stage.carried.truePoses.slice(0, 2))") != pytest.approx(
         there[0][:2], abs=1e-4
     )
@@ -220,7 +220,7 @@ def test_another_scenario_is_opened_on_a_page_of_its_own(open_editor: Any, tmp_p
     editor = open_editor("mine.toml")
     page = editor.page
     page.select_option("select[aria-label='file and world']", "open")
-    page.click("dialog >> text=demo")
+    page.locator("dialog .card-choice", has_text="demo").first.click()
     page.wait_for_url("**/edit/demo")
     editor.until("state && !state.is_behind && stage.still && isHolder")
     page.select_option("select[aria-label='file and world']", "open")

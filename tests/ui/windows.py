@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import select
 import subprocess
 import sys
@@ -225,6 +226,15 @@ class Window:
             [pane, colour],
         )
         return found[0], found[1], found[2]
+
+
+def add_thing(page: Any, name: str) -> None:
+    """Choose something in the Editor's gallery, to be placed."""
+    page.get_by_role("button", name="add …").click()
+    page.get_by_label("search").fill(name)
+    exactly = page.locator("strong", has_text=re.compile(f"^{re.escape(name)}$"))
+    page.locator("dialog .card-choice:visible", has=exactly).click()
+    expect(page.locator("dialog")).to_have_count(0)
 
 
 def axe_violations(page: Any) -> list[str]:

@@ -20,6 +20,7 @@ from amorsim.plugins.manager import default_registry
 from amorsim.scenario.documents.document import Document
 from amorsim.scenario.programs.code_check import check_code
 from amorsim.scenario.reading.partial import Partial
+from amorsim.ui.editor.cards import card_of
 from amorsim.ui.editor.looking import CODE_LIMIT, Seen, look, placed
 from amorsim.ui.editor.storage.keeping import picture_of, save_model, write_world
 
@@ -111,6 +112,10 @@ class _Functions:
             raise AmorsimError("the world cannot be read; mend its faults first")
         gaps, _ = wall_gaps(world, [Shape.circle(_POINT)], np.array([[x, y, 0.0]]), cap=_FARTHEST)
         return max(0.0, float(gaps[0]) + _POINT)
+
+    def card(self, kind: str, name: str, folder: Path) -> Any:
+        """The card of something in a gallery."""
+        return card_of(kind, name, folder, self._registry)
 
     def square(self, text: str, path: Path, robot: str, **_: Any) -> Any:
         """The effect of a robot's errors on a square."""

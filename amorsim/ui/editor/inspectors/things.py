@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import PurePath
@@ -12,8 +13,9 @@ from amorsim.core.shapes import Shape
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.documents.document import Document
 from amorsim.scenario.reading.partial import Partial
-from amorsim.scenario.spec import Obstacle, Pose, Robot
+from amorsim.scenario.spec import MountedSensor, Obstacle, Pose, Robot
 from amorsim.ui.editor.inspectors.points import Place, places_at
+from amorsim.ui.editor.inspectors.sections import SHAPES
 from amorsim.ui.scene.bodies import outline_of
 from amorsim.ui.scene.wire import Outline
 
@@ -23,10 +25,17 @@ _NAMED = {"robots": "robot", "obstacles": "obstacle", "zones": "zone", "landmark
 
 
 class MountAt(TypedDict):
-    """Where a sensor sits on its robot: x, y [m] and heading [rad]."""
+    """Where a sensor sits on its robot: x, y [m] and heading [rad]; and what it sees, where the file can hold that.
+
+    `range_max` [m] is how far it sees, `opening` [rad] the angle between the edges of what it sees. `key` is the key
+    of the file that holds the opening or a half of it, ``"fov_deg"`` or ``"half_angle_deg"``.
+    """
 
     sensor: str
     pose: list[float]
+    range_max: float | None
+    opening: float | None
+    key: str
 
 
 class Thing(TypedDict):
@@ -42,6 +51,7 @@ class Thing(TypedDict):
     name: str
     note: str
     footprint: Outline | None
+    shape: str  # the kind of the shape that the file gives it: "circle", "rectangle", "polygon", or ""
     pose: list[float] | None
     moves: bool
     turns: bool
@@ -109,6 +119,9 @@ def things_of(document: Document, partial: Partial, registry: Registry) -> list[
         if thing["kind"] in ("robot", "obstacle") or thing["path"] == "floor":
             thing["places"] = places_at(values, thing["path"], registry, folder)
         thing["faults"] = counts[thing["path"]]
+        key, _, place_in_list = thing["path"].partition(".")
+        if place_in_list and thing["footprint"] is not None:
+            thing["shape"] = _shape(dict(_tables(values, key))[int(place_in_list)])
     return found
 
 
@@ -129,6 +142,7 @@ def _thing(path: str, kind: str, name: str, note: str) -> Thing:
         "name": name,
         "note": note,
         "footprint": None,
+        "shape": "",
         "pose": None,
         "moves": False,
         "turns": False,
@@ -190,10 +204,33 @@ def _body(
     if pose is not None:
         thing["pose"] = _numbers(pose)
     if isinstance(body, Robot):
-        thing["mounts"] = [{"sensor": key, "pose": _numbers(one.mount)} for key, one in body.sensors.items()]
+        thing["mounts"] = [_mount(key, one) for key, one in body.sensors.items()]
     written = table.get("pose", {})
     thing["moves"] = thing["turns"] = isinstance(written, dict)
     return thing
+
+
+def _shape(table: Mapping[str, Any]) -> str:
+    """The kind of the one shape that a table gives."""
+    shape = table.get("shape")
+    kinds = [kind for kind in SHAPES if kind in shape] if isinstance(shape, dict) else []
+    return kinds[0] if len(kinds) == 1 else ""
+
+
+_OPENINGS = {"fov": 1.0, "half_angle": 2.0}  # fields of sensors, and how often each is in the opening
+
+
+def _mount(name: str, mounted: MountedSensor) -> MountAt:
+    sensor = mounted.sensor
+    key = next((key for key in _OPENINGS if isinstance(getattr(sensor, key, None), float)), "")
+    far = getattr(sensor, "range_max", None)
+    return {
+        "sensor": name,
+        "pose": _numbers(mounted.mount),
+        "range_max": far if isinstance(far, float) and math.isfinite(far) else None,
+        "opening": _OPENINGS[key] * getattr(sensor, key) if key else None,
+        "key": f"{key}_deg" if key else "",
+    }
 
 
 def _is_of(name: str, stem: str) -> bool:

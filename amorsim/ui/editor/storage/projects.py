@@ -32,7 +32,10 @@ if TYPE_CHECKING:
 
 __all__ = ["ASKS", "Projects"]
 
-ASKS = ("difference", "others", "zip", "picture", "preview", "histogram", "starts", "clearance", "code", "worlds")
+ASKS = (
+    *("difference", "others", "card", "zip", "picture", "preview", "histogram"),
+    *("starts", "clearance", "code", "worlds"),
+)
 MOST_LISTED = 200  # files of the project that are listed
 LONGEST_BENCH = 240.0  # [s] of an experiment, or of writing a world: their kernels may have to be compiled
 LONGEST_CODE = 1_000_000  # letters
@@ -61,6 +64,9 @@ class Projects:
                 return {"ok": True, **await asyncio.to_thread(self._others)}
             case {"do": "open", "name": str(name)}:
                 return {"ok": True, "path": await self._session.open_other(self._openable(name))}
+            case {"do": "card", "kind": str(kind), "name": str(name)}:
+                asked = {"kind": kind, "name": name, "folder": work.folder}
+                return {"ok": True, **await asyncio.to_thread(self._bench.ask, "card", **asked)}
             case {"do": "zip"}:
                 return {"ok": True, "zip": await asyncio.to_thread(self._zip)}
             case {"do": "picture", "kind": "png" | "svg" as kind}:

@@ -35,7 +35,7 @@ export function keep(clip) {
 
 /** What was copied last, here or in another window; null where nothing was.
  * @returns {Awaited<ReturnType<typeof copyOf>>} */
-function lastCopy() {
+export function lastCopy() {
   try {
     return JSON.parse(localStorage.getItem(KEPT) ?? "null");
   } catch {
@@ -120,16 +120,31 @@ function free(page, clip, points) {
   return aside(page);
 }
 
+/** The points of what was copied: ends of walls, places of things. */
+const pointsOf = (clip) => [
+  ...clip.walls.flatMap(([a, b, c, d]) => [[a, b], [c, d]]),
+  ...clip.things.flatMap(({ thing }) => (thing?.pose ? [thing.pose] : thing ? startsOf(thing).flatMap(({ points: own }) => own) : [])),
+];
+
+/** The middle of some points. */
+const middleOf = (points) => [0, 1].map((k) => (Math.min(...points.map((point) => point[k])) + Math.max(...points.map((point) => point[k]))) / 2);
+
+/** By how much copies are shifted [m] so that their middle comes to a place, by steps of the grid. */
+function shiftTo(page, clip, at) {
+  const points = pointsOf(clip);
+  if (!points.length) return undefined;
+  const grid = page.grid || 0.01;
+  const middle = middleOf(points);
+  return [at.x - middle[0], at.y - middle[1]].map((by) => round(Math.round(by / grid) * grid));
+}
+
 /** By how much copies are shifted [m] so that they are seen: beside what was copied, or else into the middle of what is seen.
  * @param {import("./editor.js").EditorPage} page
  * @param {NonNullable<Awaited<ReturnType<typeof copyOf>>>} clip */
 function placeFor(page, clip) {
-  const points = [
-    ...clip.walls.flatMap(([a, b, c, d]) => [[a, b], [c, d]]),
-    ...clip.things.flatMap(({ thing }) => (thing?.pose ? [thing.pose] : thing ? startsOf(thing).flatMap(({ points: own }) => own) : [])),
-  ];
+  const points = pointsOf(clip);
   const [dx, dy] = points.length ? free(page, clip, points) : aside(page);
-  const [x, y] = [0, 1].map((k) => (Math.min(...points.map((point) => point[k])) + Math.max(...points.map((point) => point[k]))) / 2);
+  const [x, y] = middleOf(points);
   const { camera } = page.stage;
   const [x0, y0, x1, y1] = camera.bounds();
   if (!points.length || (x + dx > x0 && x + dx < x1 && y + dy > y0 && y + dy < y1)) return [dx, dy];
@@ -148,10 +163,11 @@ export async function put(page, label, clip, shift) {
   if (said.ok) page.choose(said.added, { first, count: clip.walls.length });
 }
 
-/** Put copies of what was copied, here or in another window.
- * @param {import("./editor.js").EditorPage} page */
-export async function paste(page) {
+/** Put copies of what was copied, here or in another window; with their middle at a place, or where they are seen.
+ * @param {import("./editor.js").EditorPage} page
+ * @param {{x: number, y: number}} [at] */
+export async function paste(page, at) {
   const clip = lastCopy() ?? page.clip;
-  if (clip) await put(page, "paste", clip);
+  if (clip) await put(page, "paste", clip, at && shiftTo(page, clip, at));
   else page.hint("nothing was copied yet");
 }

@@ -1,7 +1,8 @@
 // Programs and TOML in an editor with line numbers and colours (CodeMirror); without it, in a plain text area.
 
-import { askName, open } from "../shared/dialogs.js";
+import { askName } from "../shared/dialogs.js";
 import { h, say } from "../shared/dom.js";
+import { openBeside } from "./beside.js";
 
 const VENDOR = "/amorsim/web/vendor/codemirror";
 export const PAUSE = 400; // [ms] without typing, after which what was typed is a step: its faults show within a second
@@ -30,6 +31,7 @@ export async function dress(area, mode) {
   const Mirror = await codeMirror();
   if (!Mirror || !area.isConnected) {
     return {
+      mirror: null,
       value: () => area.value, put: (text) => (area.value = text), mark: () => {}, focus: () => area.focus(),
       changed: (does) => area.addEventListener("input", does), left: (does) => area.addEventListener("blur", does),
     };
@@ -47,6 +49,7 @@ export async function dress(area, mode) {
   editor.on("change", () => (area.value = editor.getValue()));
   let marks = [];
   return {
+    mirror: editor,
     value: () => editor.getValue(),
     put: (text) => editor.setValue(text),
     mark: (faults) => {
@@ -136,7 +139,7 @@ export async function showCode(page, file) {
   const state = h("p", { class: "note", role: "status" });
   const save = h("button", { class: "main holders-only", title: "Ctrl + S" }, "save");
   const close = h("button", {}, "close");
-  const dialog = open(file, h("div", { class: "code" }, area, state), [close, save]);
+  const panel = openBeside(page, file, h("div", { class: "code" }, area, state), [close, save]);
   const editor = await dress(area, "python");
   let [written, isSaved] = [plain(said.text), said.is_saved]; // what the document says, and whether the file does
   let tried = ""; // what the user has asked to be tried
@@ -162,8 +165,8 @@ export async function showCode(page, file) {
   const typed = atPauses(editor, () => send("write_code"));
   editor.changed(show);
   save.addEventListener("click", () => send("save_code"));
-  close.addEventListener("click", () => dialog.close());
-  dialog.addEventListener("keydown", (event) => {
+  close.addEventListener("click", () => panel.close());
+  panel.element.addEventListener("keydown", (event) => {
     if (event.key === "s" && (event.ctrlKey || event.metaKey)) {
       event.preventDefault();
       send("save_code");
@@ -180,7 +183,7 @@ export async function showCode(page, file) {
     }
     show();
   };
-  dialog.addEventListener("close", () => {
+  panel.element.addEventListener("close", () => {
     typed.now();
     page.showCodeFaults = null;
   });

@@ -2,7 +2,9 @@
 
 import { Tool } from "../shared/tool.js";
 import { round } from "./geometry.js";
+import { footprintOf } from "./things.js";
 
+const LEAST_SIZE = 0.02; // [m] of a side that is dragged out
 const FREE = { altKey: false, shiftKey: false };
 
 /** What all drawing tools do: show where the pointer snaps to. */
@@ -290,5 +292,55 @@ export class PlaceTool extends DrawTool {
     this.point(mark);
     this.finish(mark);
     return true;
+  }
+}
+
+/** Puts a thing where the user clicks, in its usual size, or as large as it is dragged out. */
+export class SizeTool extends PlaceTool {
+  /**
+   * @param {import("./editor.js").EditorPage} page
+   * @param {{label: string, footprint: any, sized: "rectangle" | "circle"}} what
+   * @param {(pose: number[], size?: any) => void} done gets x, y [m] and heading [°], and a shape if one was dragged out
+   */
+  constructor(page, what, done) {
+    super(page, what, done);
+    this.sized = what.sized;
+    this.finished = done;
+  }
+
+  get says() {
+    const how = this.sized === "circle" ? "from its middle to its rim" : "from corner to corner";
+    return `Drag out ${this.what.label} ${how}, or click for its usual size. Escape: none.`;
+  }
+
+  snapped(place, event) {
+    return this.stage.walls.snap(place, { ...this.page.snapping(event, null), isTurned: false });
+  }
+
+  /** The shape between where the pointer went down and where it is, and the middle of it; null for a click. */
+  shapeTo(mark) {
+    const [at] = this.points;
+    if (!at) return null;
+    const [dx, dy] = [mark.x - at[0], mark.y - at[1]];
+    if (this.sized === "circle") {
+      const radius = round(Math.hypot(dx, dy));
+      return radius < LEAST_SIZE ? null : { shape: { circle: radius }, middle: at, words: `radius ${radius} m` };
+    }
+    const sides = [round(Math.abs(dx)), round(Math.abs(dy))];
+    if (Math.min(...sides) < LEAST_SIZE) return null;
+    return { shape: { rectangle: sides }, middle: [round(at[0] + dx / 2), round(at[1] + dy / 2)], words: `${sides[0]} × ${sides[1]} m` };
+  }
+
+  about(mark) {
+    const dragged = this.shapeTo(mark);
+    if (!dragged) return super.about(mark);
+    return { bodies: [{ footprint: footprintOf(dragged.shape), pose: [...dragged.middle, 0] }], words: dragged.words, at: [mark.x, mark.y] };
+  }
+
+  finish(mark) {
+    const dragged = this.shapeTo(mark);
+    const [x, y] = dragged?.middle ?? this.points[0];
+    this.cancel();
+    this.finished([x, y, 0], dragged?.shape);
   }
 }

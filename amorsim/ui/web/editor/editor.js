@@ -4,7 +4,8 @@ import { h, say } from "../shared/dom.js";
 import { Connection, lostWords } from "../shared/socket.js";
 import { startTheme } from "../shared/theme.js";
 import { Hand } from "../shared/tool.js";
-import { showMenu } from "./adding.js";
+import { readMenu } from "./adding.js";
+import { askNumbers } from "./ask_numbers.js";
 import { copyOf, keep, paste, put } from "./clipboard.js";
 import { CircleTool, LineTool, MeasureTool, RectangleTool } from "./draw_tools.js";
 import { showText } from "./files.js";
@@ -47,6 +48,9 @@ export class EditorPage {
     this.window = "";
     /** Shows the faults of a program that is open. @type {(() => void) | null} */
     this.showCodeFaults = null;
+    /** Closes the panel beside the drawing, where there is one. @type {(() => void) | null} */
+    this.closeBeside = null;
+    this.besideText = false; // whether it shows the scenario's text
     /** The simulation that is shown on the canvas. @type {any} */
     this.playing = null;
     /** What was read last. @type {any} */
@@ -56,6 +60,8 @@ export class EditorPage {
     this.outside = ""; // what is said of files that were changed by something else
     /** What can be added. @type {any[]} */
     this.kinds = [];
+    /** Generators of worlds, by name. @type {string[]} */
+    this.generators = [];
     this.tools = {
       select: new SelectTool(this), hand: this.stage.pane.panning, line: new LineTool(this, false), polyline: new LineTool(this, true),
       rectangle: new RectangleTool(this), circle: new CircleTool(this), room: new RoomTool(this), door: new DoorTool(this),
@@ -63,6 +69,7 @@ export class EditorPage {
       cells: new BrushTool(this, { isOccupied: true, isLine: true }), fill: new FillTool(this), crop: cropTool(this), measure: new MeasureTool(this),
     };
     this.stage.pane.panning = new Hand(this.stage.camera, {});
+    this.stage.ask = (asks) => this.isHolder && askNumbers(this, asks);
     listen(this);
     this.stage.selection.listen(() => this.showDoings());
     this.take("select");
@@ -92,7 +99,7 @@ export class EditorPage {
   async follow() {
     this.warn("");
     const menu = await this.connection.ask({ do: "menu" });
-    if (menu.ok) showMenu(this, menu);
+    if (menu.ok) readMenu(this, menu);
     let number = 0;
     while (this.connection.isOpen) {
       const said = await this.connection.ask({ do: "document", after: number });
@@ -183,6 +190,7 @@ export class EditorPage {
   showDoings() {
     const some = this.stage.selection.things.some((one) => one.kind !== "settings");
     for (const [name] of DOINGS) this.parts[name].disabled = !some;
+    if (this.toolName === "select") this.showTool(this.tools.select);
     showMounts(this);
   }
 
@@ -229,8 +237,9 @@ export class EditorPage {
     if (isCut) await this.remove();
   }
 
-  paste() {
-    return paste(this);
+  /** @param {{x: number, y: number}} [at] where to, if not beside what was copied */
+  paste(at) {
+    return paste(this, at);
   }
 
   async duplicate() {

@@ -1,7 +1,9 @@
 // Saving, running, and the whole file as text.
 
-import { askName, open, tell } from "../shared/dialogs.js";
+import { askName, tell } from "../shared/dialogs.js";
+import { openBeside } from "./beside.js";
 import { atPauses, dress, plain } from "./code.js";
+import { complete } from "./completion.js";
 import { h, say } from "../shared/dom.js";
 
 /** Save it, or ask for a name where it has none.
@@ -40,17 +42,25 @@ export async function run(page) {
   else tell("It cannot be run", h("pre", {}, said.error));
 }
 
-/** The whole file, to be read and changed: each pause in typing is a step, and faults stand at their lines.
+/** The whole file beside the drawing, to be read and changed: each pause in typing is a step, which the drawing follows, and
+ * faults stand at their lines. A second call closes it.
  * @param {import("./editor.js").EditorPage} page */
 export async function showText(page) {
+  if (page.besideText) {
+    page.closeBeside?.();
+    return;
+  }
   const said = await page.connection.ask({ do: "text" });
   if (!said.ok) return;
   const area = /** @type {HTMLTextAreaElement} */ (h("textarea", { "aria-label": "the scenario's file", spellcheck: "false" }));
   area.value = said.text;
   area.readOnly = page.watching;
   const close = h("button", { class: "main" }, "close");
-  const dialog = open(page.state.name, h("div", { class: "code" }, area), [close]);
+  const panel = openBeside(page, page.state.name, h("div", { class: "code" }, area), [close]);
+  page.besideText = true;
+  page.parts.text.setAttribute("aria-pressed", "true");
   const editor = await dress(area, "toml");
+  const forget = editor.mirror && !page.watching ? complete(page, editor.mirror) : () => {};
   let written = plain(said.text);
   const typed = atPauses(editor, async () => {
     const text = editor.value();
@@ -67,10 +77,13 @@ export async function showText(page) {
     }
     show();
   };
-  close.addEventListener("click", () => dialog.close());
-  dialog.addEventListener("close", () => {
+  close.addEventListener("click", () => panel.close());
+  panel.element.addEventListener("close", () => {
     typed.now();
+    forget();
     page.showCodeFaults = null;
+    page.besideText = false;
+    page.parts.text.setAttribute("aria-pressed", "false");
   });
   show();
   editor.focus();

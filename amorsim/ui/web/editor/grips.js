@@ -1,6 +1,7 @@
 // Grips: what can be taken hold of on the canvas besides bodies and walls. Points of paths, corners of boxes, mounts of sensors.
 
 import { round } from "./geometry.js";
+import { shapeGrips, viewGrips } from "./shape_grips.js";
 
 const DEGREE = Math.PI / 180;
 const ARM = 44; // pixels from a sensor's mount to the grip that turns it
@@ -12,9 +13,11 @@ const ARM = 44; // pixels from a sensor's mount to the grip that turns it
 
 /**
  * A grip at a point [m]. `drag` shows what it would do, `drop` is the change of the document and what it is called.
- * One that `isWhole` moves its thing as any other place of the thing does.
+ * One that `isWhole` moves its thing as any other place of the thing does. One that `snaps` goes to the grid and to walls.
+ * A double click on it `asks` for numbers; with Ctrl it is removed, where it can be.
  * @typedef {{x: number, y: number, shape: "round" | "small" | "square", thing: import("./stage.js").Thing, place?: PlaceOf, number?: number, isWhole?: boolean,
- *   drag: (to: {x: number, y: number}, isFree: boolean) => void, drop: () => {label: string, change: any} | null}} Grip
+ *   drag: (to: {x: number, y: number}, isFree: boolean, event?: PointerEvent) => void, drop: () => {label: string, change?: any, changes?: any[]} | null,
+ *   snaps?: boolean, asks?: import("./ask_numbers.js").Asks, remove?: () => {label: string, changes: any[]}}} Grip
  */
 
 /** The legs of a path: pairs of points one after another, with the number of the second.
@@ -38,7 +41,10 @@ export function gripsOf(stage) {
     for (const place of stage.placesOf(thing)) found.push(...pointGrips(stage, thing, place));
   }
   const [thing, ...others] = stage.chosenThings;
-  if (thing && !others.length && stage.sensor) found.push(...mountGrips(stage, thing, stage.sensor));
+  if (thing && !others.length && !stage.chosenWalls.length) {
+    if (stage.sensor) found.push(...mountGrips(stage, thing, stage.sensor), ...viewGrips(stage, thing, stage.sensor));
+    else found.push(...shapeGrips(stage, thing));
+  }
   return found;
 }
 
@@ -59,7 +65,12 @@ function pointGrips(stage, thing, place) {
       stage.preview = { words: `${to[0]}, ${to[1]} m`, at: to };
     };
     const drop = () => to && { label: `${isNew ? "add" : "move"} a point of ${thing.name}`, change: { op: "point", path: place.path, number, value: to, ...(isNew ? { insert: true } : {}) } };
-    return /** @type {Grip} */ ({ x, y, shape: isNew ? "small" : "round", thing, place, number, drag, drop });
+    const asks = {
+      title: `A point of ${thing.name}`,
+      fields: [["x", "m", x], ["y", "m", y]],
+      change: (values) => ({ label: `move a point of ${thing.name}`, changes: [{ op: "point", path: place.path, number, value: values, ...(isNew ? { insert: true } : {}) }] }),
+    };
+    return /** @type {Grip} */ ({ x, y, shape: isNew ? "small" : "round", thing, place, number, drag, drop, snaps: true, asks });
   };
   if (place.kind === "box") return boxGrips(stage, thing, place);
   const points = place.points.map((point, n) => grip(n, point, false));
@@ -81,7 +92,7 @@ function boxGrips(stage, thing, place) {
     stage.preview = { words: `${round(to[2] - to[0])} × ${round(to[3] - to[1])} m`, at: to.slice(2) };
   };
   const drop = () => to && { label: `move the box of ${thing.name}`, change: { op: "set", path: place.path, value: to } };
-  const grip = (x, y, shape, drag) => /** @type {Grip} */ ({ x, y, shape, thing, place, number: 0, drag, drop });
+  const grip = (x, y, shape, drag) => /** @type {Grip} */ ({ x, y, shape, thing, place, number: 0, drag, drop, snaps: true });
   return [
     ...[[x0, y0, x1, y1], [x1, y0, x0, y1], [x1, y1, x0, y0], [x0, y1, x1, y0]].map(([x, y, u, v]) => grip(x, y, "round", (point) => show(point.x, point.y, u, v))),
     { ...grip((x0 + x1) / 2, (y0 + y1) / 2, "square", () => {}), isWhole: true },

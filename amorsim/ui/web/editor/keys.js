@@ -3,8 +3,9 @@
 import { h } from "../shared/dom.js";
 import { tell } from "../shared/dialogs.js";
 import { numberIn } from "../shared/field.js";
-import { startPlacing } from "./adding.js";
+import { showAdding } from "./adding.js";
 import { askArray, mirror } from "./arrange.js";
+import { openMenu } from "./context_menu.js";
 import { run, save, saveAs, showText } from "./files.js";
 import { KEYS } from "./layout.js";
 import { play } from "./play.js";
@@ -23,7 +24,8 @@ export function listen(page) {
     in: () => camera.zoom(1.3), out: () => camera.zoom(1 / 1.3), all: () => stage.fit(),
   };
   for (const [name, does] of Object.entries(clicks)) parts[name].addEventListener("click", does);
-  parts.add.addEventListener("change", () => startPlacing(page, parts.add.value));
+  parts.add.addEventListener("click", () => showAdding(page));
+  stage.pane.canvas.addEventListener("contextmenu", (event) => openMenu(page, event));
   parts.brush.value = String(page.brush);
   parts.brush.addEventListener("change", () => {
     const wide = numberIn(parts.brush.value);
@@ -62,6 +64,7 @@ const plain = (page) => ({
     page.stage.options.grid = !page.stage.options.grid;
     page.stage.redraw();
   },
+  a: () => page.isHolder && showAdding(page),
   l: () => page.toggleTheme(), "?": showKeys,
   Delete: () => page.isHolder && page.remove(), Backspace: () => page.isHolder && page.remove(),
   Escape: () => (page.toolName === "select" ? page.stage.selection.clear() : page.take("select")),
@@ -78,7 +81,7 @@ const withControl = (page) => ({
 function press(page, event) {
   const target = /** @type {HTMLElement} */ (event.target);
   if (event.defaultPrevented || target.closest?.("dialog")) return;
-  const isTyping = target.matches?.("input, textarea, select");
+  const isTyping = target.matches?.("input, textarea, select, [contenteditable]");
   const { pane } = page.stage;
   if (event.ctrlKey || event.metaKey) {
     if (isTyping && event.key !== "s") return;

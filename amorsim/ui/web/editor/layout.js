@@ -55,7 +55,7 @@ export function build({ pane, objects, inspector }) {
       make("file", h("span", { class: "file" })),
       h("span", { class: "holders-only both" }, icon("undo", "undo (Ctrl + Z)", "↶"), icon("redo", "redo (Ctrl + Y)", "↷")),
       make("menu", h("select", { "aria-label": "file and world" }, h("option", { value: "" }, "file …"), MENU.map(({ name, words }) => h("option", { value: name }, words)))),
-      make("add", h("select", { class: "holders-only", "aria-label": "add a thing" })),
+      button("add", { class: "holders-only", title: "robots, obstacles, people, doors, furniture, worlds (A)" }, "add …"),
       h("span", { class: "space" }),
       make("saved", h("span", { class: "saved", role: "status" })),
       button("pen", { class: "pen", hidden: true }),
@@ -102,6 +102,9 @@ export function build({ pane, objects, inspector }) {
 
 export const KEYS = [
   ["V, H, W, P, R, C", "select, move the view, a wall, walls, a rectangle, a circle"],
+  ["A", "add a robot, an obstacle, a person, a world …"],
+  ["secondary button, menu key", "what can be done with what lies there"],
+  ["double click on a grip", "its numbers, to be typed"],
   ["O, D, T, M", "a room, a door, trim a wall, measure"],
   ["B, E, W, F, C", "in a bitmap: brush, eraser, a line, fill, crop"],
   ["Enter", "on the canvas: select, or set a point, in its middle"],

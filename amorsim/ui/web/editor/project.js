@@ -6,6 +6,7 @@ import { h, say } from "../shared/dom.js";
 import { numberIn } from "../shared/field.js";
 import { askUnderlay } from "./underlay.js";
 import { saveAs } from "./files.js";
+import { showGallery } from "./gallery.js";
 
 /** What the menu offers. */
 export const MENU = [
@@ -28,15 +29,30 @@ const stem = (page) => page.state.name.replace(/\.toml$/, "");
 async function openOther(page) {
   const said = await page.connection.ask({ do: "others" });
   if (!said.ok) return;
-  const problem = h("p", { class: "error", role: "alert" });
   const go = async (name) => {
     const opened = await page.connection.ask({ do: "open", name });
     if (opened.ok) location.assign(opened.path);
-    else say(problem, opened.error);
+    else tell("It cannot be opened", h("p", { class: "error" }, opened.error));
   };
-  const list = (title, names) => names.length ? [h("h3", {}, title), h("ul", { class: "choices" }, names.map((name) => h("li", {}, h("button", { class: "tool", onclick: () => go(name) }, name))))] : [];
-  tell("Open", h("div", { class: "lists", tabindex: "0", role: "group", "aria-label": "scenarios" },
-    h("button", { class: "tool", onclick: () => go("") }, "an empty page"), list("Last", said.recent), list("In this folder", said.files), list("Bundled: a copy", said.bundled)), problem);
+  const entries = (names) => names.map((name) => ({ name, of: /** @type {[string, string]} */ (["scenario", name]), does: () => go(name) }));
+  showGallery(page, "Open", [
+    { title: "New", entries: [{ name: "an empty page", sentence: "Draw a world, place robots.", does: () => go("") }] },
+    { title: "Last", entries: entries(said.recent) },
+    { title: "In this folder", entries: entries(said.files) },
+    { title: "Bundled: a copy", entries: entries(said.bundled) },
+  ]);
+}
+
+/** Take a random world of a generator in place of this one.
+ * @param {import("./editor.js").EditorPage} page
+ * @param {string} name
+ * @param {number} seed */
+export async function takeGenerated(page, name, seed) {
+  const done = await page.edit(`take ${name} as the world`, [{ op: "set", path: "world", value: { map: { generate: name, seed } } }]);
+  if (!done.ok) return done;
+  page.choose(["world"]);
+  page.fitsNext = true;
+  return done;
 }
 
 /** Another world: a file of the project, a random one of a generator, or an empty one.
@@ -60,7 +76,7 @@ async function askWorld(page) {
       say(problem, "Expected a whole number as seed.");
       return;
     }
-    const done = await page.edit(`take ${name} as the world`, [{ op: "set", path: "world", value: { map: kind === "generate" ? { generate: name, seed: number } : name } }]);
+    const done = await (kind === "generate" ? takeGenerated(page, name, number) : page.edit(`take ${name} as the world`, [{ op: "set", path: "world", value: { map: name } }]));
     if (!done.ok) {
       say(problem, done.error);
       return;

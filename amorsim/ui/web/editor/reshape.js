@@ -34,7 +34,7 @@ export function reshaping(page) {
   return parts;
 }
 
-function splitWalls(page) {
+export function splitWalls(page) {
   const { walls } = page.stage.walls;
   const chosen = page.stage.chosenWalls;
   const change = [];
@@ -60,7 +60,7 @@ function joinWalls(page) {
   return page.edit("join walls", [{ op: "walls", change: second ? [[one, first], [other, second]] : [[one, first]], remove: second ? [] : [other] }]);
 }
 
-function askOffset(page) {
+export function askOffset(page) {
   const problem = h("p", { class: "error", role: "alert" });
   const input = h("input", { type: "text", inputmode: "decimal", autocomplete: "off", value: "0.1" });
   const make = async () => {
@@ -78,7 +78,7 @@ function askOffset(page) {
   const dialog = open("Copies to one side", h("div", {}, row, problem), [h("button", { onclick: () => dialog.close() }, "cancel"), h("button", { class: "main", onclick: make }, "make")]);
 }
 
-function askTurn(page) {
+export function askTurn(page) {
   const problem = h("p", { class: "error", role: "alert" });
   const input = h("input", { type: "text", inputmode: "decimal", autocomplete: "off", value: "90" });
   const make = async () => {

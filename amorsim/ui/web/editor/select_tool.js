@@ -25,6 +25,7 @@ export class SelectTool extends Tool {
 
   get says() {
     if (this.stage.chosenOnes.some(({ places }) => places.some(({ kind }) => kind === "path"))) return "Drag a point of the path; drag a small one to add a point; Ctrl and a click removes one.";
+    if (this.stage.chosenThings.length === 1 && this.stage.chosenThings[0].shape) return "Drag a corner to resize (Shift: in proportion, Ctrl: about the middle); a double click on it asks for numbers. Drag the dot to turn.";
     return "Click selects, Shift adds. Drag moves; drag the dot to turn. Drag over nothing: a box. Alt: no snapping.";
   }
 
@@ -64,6 +65,12 @@ export class SelectTool extends Tool {
       this.found = this.stage.chosenOf(this.grip.thing);
       return true;
     }
+    if (event.ctrlKey && this.grip.remove) {
+      this.doing = "";
+      const { label, changes } = this.grip.remove();
+      this.page.edit(label, changes);
+      return true;
+    }
     if (event.ctrlKey && list?.kind === "path" && shape === "round") {
       this.doing = "";
       if (list.points.length > 1) this.page.edit(`remove a point of ${this.grip.thing.name}`, [{ op: "remove", path: `${list.path}.${number}` }]);
@@ -81,8 +88,8 @@ export class SelectTool extends Tool {
     if (this.doing === "press") this.doing = this.found ? "move" : "box";
     if (this.doing === "move" && !this.page.isHolder) return;
     if (this.doing === "grip") {
-      const to = this.grip.place ? stage.walls.snap(place, { ...this.page.snapping(event, null), isTurned: false }) : place;
-      this.grip.drag(to, event.altKey);
+      const to = this.grip.snaps ? stage.walls.snap(place, { ...this.page.snapping(event, null), isTurned: false }) : place;
+      this.grip.drag(to, event.altKey, event);
       return;
     }
     if (this.doing === "box") {
@@ -136,7 +143,7 @@ export class SelectTool extends Tool {
     }
     if (doing === "grip") {
       const dropped = this.grip.drop();
-      if (dropped) this.page.edit(dropped.label, [dropped.change]);
+      if (dropped) this.page.edit(dropped.label, dropped.changes ?? [dropped.change]);
       else stage.putBack();
       return;
     }

@@ -19,8 +19,8 @@ import { PlacesLayer, ViewsLayer } from "./views.js";
 /**
  * A thing of the document, as `Thing` in amorsim/ui/editor/inspectors/things.py.
  * @typedef {{path: string, kind: string, name: string, note: string, footprint: import("../simulator/wire.js").Outline | null, pose: number[] | null,
- *   moves: boolean, turns: boolean, robots: number[], obstacles: number[], places: import("./grips.js").PlaceOf[],
- *   mounts: {sensor: string, pose: number[]}[], faults: number}} Thing
+ *   shape: string, moves: boolean, turns: boolean, robots: number[], obstacles: number[], places: import("./grips.js").PlaceOf[],
+ *   mounts: {sensor: string, pose: number[], range_max: number | null, opening: number | null, key: string}[], faults: number}} Thing
  */
 
 /**
@@ -59,6 +59,10 @@ export class EditStage extends StillStage {
     /** Where those start that are placed at random, by name. @type {Map<string, number[]>} */
     this.ghosts = new Map();
     this.sensor = ""; // whose mount can be dragged
+    /** By how much the view of a sensor is stretched while it is dragged: its range and its angle. @type {{sensor: string, range: number, angle: number} | null} */
+    this.stretched = null;
+    /** Asks for the numbers of a grip. @param {import("./ask_numbers.js").Asks} _asks */
+    this.ask = (_asks) => {};
     this.hidden = new Set(); // kinds of things that are hidden
     this.locked = new Set(); // and those that cannot be picked
     this.pane.edge = WIDE;
@@ -206,8 +210,26 @@ export class EditStage extends StillStage {
     this.redraw();
   }
 
+  /** Draw what a sensor sees larger or smaller.
+   * @param {string} sensor
+   * @param {number} range a factor
+   * @param {number} angle a factor */
+  stretch(sensor, range, angle) {
+    this.stretched = { sensor, range, angle };
+    this.touch();
+  }
+
+  /** A double click on a grip asks for its numbers; elsewhere it shows all. */
+  doubleClicked(event) {
+    const { x, y } = this.pane.placeOf(event);
+    const grip = this.grips().find((one) => Math.hypot(one.x - x, one.y - y) <= 9 / this.camera.scale);
+    if (grip?.asks) this.ask(grip.asks);
+    else super.doubleClicked(event);
+  }
+
   /** Hold nothing any more. */
   drop() {
+    this.stretched = null;
     for (const drag of [this.moved, this.bent, this.mounted]) drag.clear();
     this.carried = null;
   }

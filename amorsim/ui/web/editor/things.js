@@ -2,7 +2,13 @@
 
 import { round } from "./geometry.js";
 
-const BOX = { polygon: [[-0.3, -0.2], [0.3, -0.2], [0.3, 0.2], [-0.3, 0.2]] };
+/** The outline of a shape as files have it.
+ * @param {{circle?: number, rectangle?: number[]}} shape */
+export function footprintOf({ circle, rectangle }) {
+  if (circle) return { circle };
+  const [a, b] = rectangle.map((side) => side / 2);
+  return { polygon: [[-a, -b], [a, -b], [a, b], [-a, b]] };
+}
 
 /** A name that is not taken. */
 export function freeName(stem, things) {
@@ -21,37 +27,43 @@ export const walking = (goals) => ({ use: "pedestrian", goals: goals.map(([x, y]
 
 /** @param {{robot: string[]}} menu what the server knows */
 export function kindsOfThings({ robot }) {
-  const obstacle = (label, shape, footprint) => ({
-    group: "Obstacles", label, path: "obstacles", footprint,
-    make: (pose, things) => ({ name: freeName(label.replace(/ /g, "-"), things), shape, pose: poseOf(pose) }),
+  const obstacle = (label, shape, sentence, group = "Obstacles") => ({
+    group, label, path: "obstacles", footprint: footprintOf(shape), sentence, sized: Object.keys(shape)[0],
+    make: (pose, things, size) => ({ name: freeName(label.replace(/ /g, "-"), things), shape: size ?? shape, pose: poseOf(pose) }),
   });
+  const furniture = (label, shape, sentence) => obstacle(label, shape, sentence, "Furniture");
   return [
     ...robot.map((model) => ({
       group: "Robots", label: model, path: "robots", footprint: { circle: 0.22 },
       make: (pose, things) => ({ name: freeName("robot", things), model, pose: poseOf(pose) }),
     })),
-    obstacle("box", { rectangle: [0.6, 0.4] }, BOX),
-    obstacle("post", { circle: 0.15 }, { circle: 0.15 }),
+    obstacle("box", { rectangle: [0.6, 0.4] }, "Stands still. Drag it out as large as it is to be."),
+    obstacle("post", { circle: 0.15 }, "A round one. Drag from its middle to its rim."),
+    furniture("desk", { rectangle: [1.6, 0.8] }, "1.6 × 0.8 m"),
+    furniture("chair", { rectangle: [0.45, 0.45] }, "0.45 × 0.45 m"),
+    furniture("round table", { circle: 0.55 }, "1.1 m across"),
+    furniture("shelf", { rectangle: [1.2, 0.35] }, "1.2 × 0.35 m"),
+    furniture("pallet", { rectangle: [1.2, 0.8] }, "1.2 × 0.8 m, as of EUR 1"),
     {
-      group: "Obstacles", label: "person on foot", path: "obstacles", footprint: { circle: 0.22 },
+      group: "People", label: "person on foot", path: "obstacles", footprint: { circle: 0.22 }, sentence: "Walks to and fro between two places.",
       make: (pose, things) => ({
         name: freeName("person", things), shape: { circle: 0.22 }, pose: poseOf(pose), motion: walking([pose, [pose[0] + 3 * Math.cos((pose[2] * Math.PI) / 180), pose[1] + 3 * Math.sin((pose[2] * Math.PI) / 180)]]),
       }),
     },
     {
-      group: "World", label: "landmark", path: "landmarks", footprint: { circle: 0.05 },
+      group: "World", label: "landmark", path: "landmarks", sentence: "A mark that robots may know and see.", footprint: { circle: 0.05 },
       make: ([x, y], things) => ({ id: numberOf(things), x, y }),
     },
-    { group: "World", label: "light", path: "lights", footprint: { circle: 0.1 }, make: ([x, y]) => ({ x, y }) },
+    { group: "World", label: "light", path: "lights", sentence: "A lamp, for sensors of light.", footprint: { circle: 0.1 }, make: ([x, y]) => ({ x, y }) },
     {
-      group: "World", label: "zone", path: "zones", footprint: { polygon: [[-1, -1], [1, -1], [1, 1], [-1, 1]] },
-      make: (pose, things) => ({ name: freeName("zone", things), shape: { rectangle: [2.0, 2.0] }, pose: poseOf(pose) }),
+      group: "World", label: "zone", path: "zones", footprint: footprintOf({ rectangle: [2.0, 2.0] }), sized: "rectangle", sentence: "A part of the floor with a ground of its own.",
+      make: (pose, things, size) => ({ name: freeName("zone", things), shape: size ?? { rectangle: [2.0, 2.0] }, pose: poseOf(pose) }),
     },
-    { group: "Floor", label: "line on the floor", path: "floor.markings", isPath: true },
+    { group: "Floor", label: "line on the floor", path: "floor.markings", isPath: true, sentence: "Click its points, for a robot to follow." },
     {
-      group: "Floor", label: "area of another brightness", path: "floor.markings", footprint: BOX,
-      make: (pose) => ({ shape: { rectangle: [0.6, 0.4] }, pose: poseOf(pose) }),
+      group: "Floor", label: "area of another brightness", path: "floor.markings", footprint: footprintOf({ rectangle: [0.6, 0.4] }), sized: "rectangle",
+      make: (pose, _, size) => ({ shape: size ?? { rectangle: [0.6, 0.4] }, pose: poseOf(pose) }),
     },
-    { group: "Floor", label: "drop in the floor", path: "floor.drops", footprint: { circle: 0.3 }, make: (pose) => ({ shape: { circle: 0.3 }, pose: poseOf(pose) }) },
+    { group: "Floor", label: "drop in the floor", path: "floor.drops", footprint: { circle: 0.3 }, sized: "circle", make: (pose, _, size) => ({ shape: size ?? { circle: 0.3 }, pose: poseOf(pose) }) },
   ];
 }

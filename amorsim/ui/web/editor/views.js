@@ -77,7 +77,8 @@ export class ViewsLayer extends SceneLayer {
     const pose = stage.poseOf(thing);
     const robot = stage.scene.robots[thing.robots[0]];
     if (!pose || !robot) return;
-    for (const sensor of robot.sensors) {
+    for (const own of robot.sensors) {
+      const sensor = stretched(own, stage.stretched);
       const isChosen = sensor.name === stage.sensor;
       const before = thing.mounts.find((one) => one.sensor === sensor.name)?.pose;
       const now = stage.mountOf(thing, sensor.name);
@@ -105,6 +106,18 @@ function moved(mount, before, now) {
   const [dx, dy] = [mount[0] - before[0], mount[1] - before[1]];
   const [c, s] = [Math.cos(turn), Math.sin(turn)];
   return [now[0] + dx * c - dy * s, now[1] + dx * s + dy * c, mount[2] + turn];
+}
+
+/** A sensor whose view is being stretched. */
+function stretched(sensor, by) {
+  if (by?.sensor !== sensor.name) return sensor;
+  const bearings = sensor.mounts.length > 1 ? sensor.bearings : sensor.bearings?.map((bearing) => bearing * by.angle);
+  const half = sensor.half_angle && sensor.half_angle * by.angle;
+  const { drawing } = sensor;
+  return {
+    ...sensor, bearings, half_angle: half, range_max: sensor.range_max && sensor.range_max * by.range,
+    drawing: drawing && { ...drawing, reach: drawing.reach && drawing.reach * by.range, half_angle: drawing.half_angle && drawing.half_angle * by.angle },
+  };
 }
 
 function placed(pose, mount) {

@@ -119,7 +119,7 @@ export class StillStage {
     const hand = new Hand(this.camera, { clicked: (place) => this.pick(place) });
     this.pane.panning = hand;
     this.pane.take(hand);
-    this.pane.canvas.addEventListener("dblclick", () => this.fit());
+    this.pane.canvas.addEventListener("dblclick", (event) => this.doubleClicked(event));
     root.addEventListener("theme", () => {
       this.pane.theme = this.theme = readTheme(root);
       this.redraw();
@@ -171,6 +171,11 @@ export class StillStage {
     const found = this.picker.pick(this.still, this.frame, { x: place.x, y: place.y, scale: this.camera.scale });
     this.selection.set(found ? [found] : []);
     this.picked(place);
+  }
+
+  /** @param {MouseEvent} _event */
+  doubleClicked(_event) {
+    this.fit();
   }
 
   fit() {

@@ -152,7 +152,7 @@ export class Simulator {
     if (frame.events > this.events.next && !this.readingEvents) this.readEvents();
     if (frame.states !== this.states) {
       this.askState();
-      if (frame.states & FLAG.ended) this.hint(isRecorded ? "This is the end of the recording." : "The scenario's duration is over. To run goes on all the same.");
+      if (frame.states & FLAG.ended) this.hint(isRecorded ? "This is the end of the recording." : "The scenario's duration is over; run continues beyond it.");
       if (frame.states & FLAG.running) this.hint(""); // no need to say how to run it
       if (this.states === undefined && !frame.tick && !(frame.states & FLAG.running)) this.hint("Press Space to run, ? for all keys.");
     }
