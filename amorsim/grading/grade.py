@@ -287,7 +287,7 @@ def _handed_in(grading: _Grading, path: Path) -> tuple[HandedIn | None, str]:
         return None, "it is a symbolic link, or lies in one, and these are not followed"
     try:
         others = [each for each in grading.private if each != path]
-        return hand_in(path, others, grading.rubric.files), ""
+        return hand_in(path, others, grading.rubric.files, grading.rubric.beside), ""
     except (AmorsimError, OSError) as error:
         return None, as_line(str(error))
 

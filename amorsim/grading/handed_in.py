@@ -27,8 +27,10 @@ class HandedIn:
     left_out: tuple[str, ...] = ()
 
 
-def hand_in(path: Path, others: Iterable[Path] = (), given: Sequence[Path] = ()) -> HandedIn:
-    """The files of a submission: its whole folder if nothing of others lies there, else its file alone.
+def hand_in(
+    path: Path, others: Iterable[Path] = (), given: Sequence[Path] = (), beside: Sequence[str] = ()
+) -> HandedIn:
+    """The files of a submission: its whole folder if nothing of others lies there, else its file and those `beside` it.
 
     Symbolic and hard links, and what is not a regular file, are left out.
 
@@ -38,6 +40,8 @@ def hand_in(path: Path, others: Iterable[Path] = (), given: Sequence[Path] = ())
         The submission's file.
     others
         Files and folders of others.
+    beside
+        Names of files that go with it, if they lie in its folder.
     given
         Files that every submission gets; they replace its own of the same names.
 
@@ -51,7 +55,8 @@ def hand_in(path: Path, others: Iterable[Path] = (), given: Sequence[Path] = ())
     files: dict[str, bytes] = {}
     left_out: list[str] = []
     size = 0
-    for name in _names(folder) if is_own else [path.name]:
+    alone = [path.name, *(name for name in beside if (folder / name).is_file())]
+    for name in _names(folder) if is_own else alone:
         data = _read(folder / name, _MOST_BYTES - size)
         if data is None:
             left_out.append(name)

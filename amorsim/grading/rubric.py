@@ -21,9 +21,13 @@ __all__ = ["Criterion", "Rubric", "read_rubric"]
 
 _FAR = 1e15  # larger numbers are taken for mistakes
 _MOST_RUNS = 10_000
-_LISTS = (("worlds", "map files, as in ['a.wld']"), ("files", "files, as in ['helper.py']"))
+_LISTS = (
+    ("worlds", "map files, as in ['a.wld']"),
+    ("files", "files, as in ['helper.py']"),
+    ("beside", "names of files, as in ['policy.onnx']"),
+)
 _KEYS = (
-    *("format", "title", "scenario", "robot", "role", "function", "files"),
+    *("format", "title", "scenario", "robot", "role", "function", "files", "beside"),
     *("runs", "practice", "seeds", "worlds", "duration", "time_limit", "memory_limit", "criteria", "questions"),
 )
 
@@ -71,7 +75,8 @@ class Rubric:
     """A rubric, as in its file.
 
     `seeds` is empty unless it is for practice: then `runs` seeds are drawn for each grading. `worlds` are maps that
-    replace the scenario's own; the empty name means that one. `files` are given to every submission.
+    replace the scenario's own; the empty name means that one. `files` are given to every submission; files of the names
+    in `beside` go with a submission where they lie next to its program.
     """
 
     title: str
@@ -80,6 +85,7 @@ class Rubric:
     role: str
     function: str
     files: tuple[Path, ...]
+    beside: tuple[str, ...]
     runs: int
     practice: bool
     seeds: tuple[Seed, ...]
@@ -126,7 +132,10 @@ def _read(top: Node, path: Path) -> Rubric | None:
     function = top.child("function").text("the name of the function or class that submissions have", own) or ""
     title = top.child("title").text("a title", path.stem) or ""
     robot = "" if "robot" not in top else top.child("robot").text("the name of a robot") or ""
-    worlds, files = (_names(top.child(key), what) for key, what in _LISTS)
+    worlds, files, beside = (_names(top.child(key), what) for key, what in _LISTS)
+    for name in beside:
+        if name != Path(name).name:
+            top.child("beside").fault(f"expected names of files without a folder, got {shown(name)}")
     practice = top.child("practice")
     if practice.value is not None and type(practice.value) is not bool:
         practice.fault(f"expected true or false, got {shown(practice.value)}")
@@ -148,6 +157,7 @@ def _read(top: Node, path: Path) -> Rubric | None:
         role=role,
         function=function,
         files=tuple(path.parent.absolute() / name for name in files),
+        beside=tuple(beside),
         runs=runs,
         practice=practice.value is True,
         seeds=seeds,

@@ -105,6 +105,7 @@ def rubric_schema(registry: Registry) -> Schema:
             "role": {"enum": ["controller", "estimator"], "default": "controller"},
             "function": {"type": "string", "minLength": 1, "description": "the function or class in a submission"},
             "files": {**_NAMES, "description": "files that every submission is given"},
+            "beside": {**_NAMES, "description": "names of files that go with a submission where they lie next to it"},
             "runs": {"type": "integer", "minimum": 1, "maximum": 10_000, "description": "runs in each world"},
             "practice": {"type": "boolean", "description": "seeds are known, and no marks depend on it"},
             "seeds": {"type": "array", "items": {"type": "integer", "minimum": 0}, "minItems": 1},

@@ -39,6 +39,18 @@ def test_a_submission_that_lies_with_others_has_its_file_alone(own: Path, other:
     assert list(hand_in(own, [own.parent / other]).files) == ["ben.py"]
 
 
+def test_files_beside_a_submission_go_with_it(own: Path) -> None:
+    (own.parent / "policy.onnx").write_bytes(b"weights")
+    (own.parent / "notes.txt").write_bytes(b"private")
+    found = hand_in(own, [own.parent / "rubric.toml"], beside=["policy.onnx", "missing.onnx"])
+    assert found.files == {"ben.py": own.read_bytes(), "policy.onnx": b"weights"}
+    # A link leads to another's file, and stays out.
+    (own.parent / "policy.onnx").unlink()
+    (own.parent / "policy.onnx").symlink_to(own.parent / "notes.txt")
+    found = hand_in(own, [own.parent / "rubric.toml"], beside=["policy.onnx"])
+    assert (list(found.files), found.left_out) == (["ben.py"], ("policy.onnx",))
+
+
 def test_files_of_the_rubric_replace_those_of_the_same_name(own: Path) -> None:
     given = own.parent.parent / "ben.py"
     given.write_text("of the rubric")

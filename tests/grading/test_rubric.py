@@ -41,6 +41,8 @@ def course(tmp_path: Path) -> Path:
         ("runs = 1", "runs = 1.5", "runs: expected a whole number of runs from 1"),
         ("runs = 1", "files = ['none.txt']", "none.txt: there is no such file, which the rubric gives"),
         ("runs = 1", "files = 'none.txt'", "files: expected a list of files"),
+        ("runs = 1", "beside = ['../other/policy.onnx']", "beside: expected names of files without a folder"),
+        ("runs = 1", "beside = [5]", "beside: expected a list of names of files"),
         ("runs = 1", "worlds = [1]", "worlds: expected a list of map files"),
         ("runs = 1", "robot = 5", "robot: expected the name of a robot, got 5"),
         ('title = "First homework"', "title = 5", "title: expected a title, got 5"),

@@ -34,7 +34,7 @@ def test_a_lab_is_begun_in_a_folder_of_its_own(amorsim: Command) -> None:
     assert "](../" not in handout
     assert amorsim("check", "lab-6/lab.toml").status == 0
     assert "there is something in it" in amorsim("lab", "start", "6", "lab-6").err
-    assert "known labs: 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12" in amorsim("lab", "start", "99", "other").err
+    assert "known labs: 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13" in amorsim("lab", "start", "99", "other").err
     assert not Path("other").exists()
     Path("empty").mkdir()
     assert "not the folder of a lab" in amorsim("lab", "check", "empty").err

@@ -13,6 +13,7 @@ import pytest
 import amorsim as am
 from amorsim.grading.grade import grade
 from amorsim.grading.results import Grade
+from amorsim.grading.seeds import Seed, write_seeds
 from tests.first_hour.conftest import ROOT
 from tests.grading.courses import fence_problem
 
@@ -83,7 +84,8 @@ EARNED = {
         "point": (0.0, 1.0),
         "cheating": (0.0, 0.0),
     },
-    "12-avoidance": {"avoid": (0.0, 0.0), "good": (9.0, 10.0), "point": (0.0, 0.0), "cheating": (0.0, 0.0)},
+    "12-avoidance": {"avoid": (0.0, 6.0), "good": (9.0, 10.0), "point": (0.0, 6.0), "cheating": (0.0, 0.0)},
+    "13-learning": {"learned": (0.0, 6.0), "good": (9.0, 10.0), "unscaled": (0.0, 6.0), "cheating": (0.0, 0.0)},
 }
 # The criterion that a mistake costs whole, and it alone, in labs where there is one.
 LOST = {
@@ -116,7 +118,8 @@ def test_what_is_handed_out_moves(name: str) -> None:
 def test_submissions_earn_what_they_should(name: str, tmp_path: Path) -> None:
     rubric = practice(name, tmp_path / "lab", SEEDS.get(name, [11, 12]))
     files = [path for path in sorted(rubric.parent.rglob("*.py")) if "__pycache__" not in path.parts]
-    found = {one.label: one for one in grade(rubric, files, tmp_path / "grades", fence=not fence_problem())}
+    graded = grade(rubric, files, tmp_path / "grades", fence=not fence_problem(), seeds=seeds_of(rubric))
+    found = {one.label: one for one in graded}
     for label, (least, most) in EARNED[name].items():
         assert [case.problem for case in found[label].cases] == ["", ""], label
         program, answers = points_of(found[label])
@@ -136,20 +139,27 @@ def test_submissions_earn_what_they_should(name: str, tmp_path: Path) -> None:
 def test_a_good_solution_earns_nine_tenths_over_ten_seeds(name: str, tmp_path: Path) -> None:
     rubric = practice(name, tmp_path / "lab", list(range(101, 111)))
     good = rubric.parent / "solutions" / "good.py"
-    (found,) = grade(rubric, [good], tmp_path / "grades", fence=not fence_problem())
+    (found,) = grade(rubric, [good], tmp_path / "grades", fence=not fence_problem(), seeds=seeds_of(rubric))
     assert found.total >= 0.9 * found.of
     assert sum(case.total < 0.9 * found.of for case in found.cases) <= 1
 
 
 def practice(name: str, lab: Path, seeds: list[int]) -> Path:
-    """The rubric of a copy of a lab, with seeds that are known."""
+    """The rubric of a copy of a lab, with seeds that are known; worlds that are drawn are drawn by the replica."""
     shutil.copytree(LABS / name, lab)
     rubric = lab / "rubric.toml"
-    text = rubric.read_text(encoding="utf-8")
-    text, count = re.subn(r"^runs = \d+$", f"practice = true\nseeds = {seeds}", text, flags=re.MULTILINE)
+    text, count = re.subn(
+        r"^runs = \d+$", f"runs = {len(seeds)}", rubric.read_text(encoding="utf-8"), flags=re.MULTILINE
+    )
     assert count == 1
     rubric.write_text(text, encoding="utf-8")
+    is_drawn = 'per = "replica"' in (lab / "lab.toml").read_text(encoding="utf-8")
+    write_seeds(seeds_of(rubric), [Seed(seed, seed if is_drawn else 0) for seed in seeds])
     return rubric
+
+
+def seeds_of(rubric: Path) -> Path:
+    return rubric.with_name("seeds.toml")
 
 
 def points_of(found: Grade) -> tuple[float, float]:

@@ -1,7 +1,6 @@
 // What keys and buttons of the Editor do.
 
-import { h } from "../shared/dom.js";
-import { tell } from "../shared/dialogs.js";
+import { tellKeys } from "../shared/dialogs.js";
 import { numberIn } from "../shared/field.js";
 import { showAdding } from "./adding.js";
 import { askArray, mirror } from "./arrange.js";
@@ -11,6 +10,7 @@ import { KEYS } from "./layout.js";
 import { play } from "./play.js";
 import { MENU } from "./project.js";
 import { holdSensor } from "./mounting.js";
+import { TOUR } from "./tour.js";
 import { beginTyping, keyTyped, showTyped } from "./typing.js";
 
 /** @param {import("./editor.js").EditorPage} page */
@@ -104,6 +104,5 @@ function press(page, event) {
 }
 
 function showKeys() {
-  const rows = KEYS.map(([key, does]) => h("tr", {}, h("th", { scope: "row" }, h("kbd", {}, key)), h("td", {}, does)));
-  tell("Keys", h("table", { class: "keys" }, h("tbody", {}, rows)));
+  tellKeys(KEYS, TOUR);
 }

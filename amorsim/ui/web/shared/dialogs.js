@@ -1,6 +1,7 @@
 // Dialogs: the browser's own `<dialog>`, which keeps the keyboard inside and gives it back.
 
 import { h } from "./dom.js";
+import { startTour } from "./tour.js";
 
 /** A dialog with buttons; it is open, and gone once it is closed. */
 export function open(title, body, buttons) {
@@ -14,6 +15,19 @@ export function open(title, body, buttons) {
 export function tell(title, ...body) {
   const close = h("button", { onclick: () => dialog.close() }, "close");
   const dialog = open(title, h("div", {}, body), [close]);
+}
+
+/** Tell the keys of a page, and offer a tour of it.
+ * @param {string[][]} keys each with what it does
+ * @param {import("./tour.js").Step[]} tour */
+export function tellKeys(keys, tour) {
+  const rows = keys.map(([key, does]) => h("tr", {}, h("th", { scope: "row" }, h("kbd", {}, key)), h("td", {}, does)));
+  const go = h("button", { class: "main", onclick: () => {
+    dialog.close();
+    startTour(/** @type {HTMLElement} */ (document.querySelector(".amorsim")), tour);
+  } }, "a tour of this page");
+  const close = h("button", { onclick: () => dialog.close() }, "close");
+  const dialog = open("Keys", h("div", {}, h("table", { class: "keys" }, h("tbody", {}, rows))), [close, go]);
 }
 
 /** Ask for a name; `save(name)` gives `{ok, error}`, and the dialog stays until it is ok. */
@@ -38,21 +52,4 @@ export function askName(title, label, name, note, save) {
     [h("button", { onclick: () => dialog.close() }, "cancel"), saves],
   );
   input.select();
-}
-
-const KEYS = [
-  ["Space", "run, pause"], [".", "one step"], ["Shift + R", "reset to the start"], ["M", "drive by hand, or give back"],
-  ["arrows, W A S D", "drive, while a key is held"], ["Q, E", "slide, where the drive can"], ["X", "stop"],
-  ["O", "overlay of the two panes"], ["F", "follow the robot"], ["T", "trails"], ["G", "grid"], ["0", "see all"],
-  ["+, −", "zoom"], ["Shift + arrows", "pan"], ["Enter", "in a pane: what is in its middle"], ["N, P", "next, previous robot"], ["B", "list of robots"], ["Shift + drag", "list the robots in a box"], ["L", "light or dark"], ["C", "large, for a class"], ["?", "this"],
-];
-
-const LIVE = ["Shift + R", "M", "arrows, W A S D", "Q, E", "X"];
-const RECORDED = [[",", "one step back"], ["Shift + R", "to the start"]];
-
-/** The keys of the Simulator; of a recorded run, those that do something there. */
-export function showKeys(isRecorded = false) {
-  const keys = isRecorded ? [...RECORDED, ...KEYS.filter(([key]) => !LIVE.includes(key))] : KEYS;
-  const rows = keys.map(([key, does]) => h("tr", {}, h("th", { scope: "row" }, h("kbd", {}, key)), h("td", {}, does)));
-  tell("Keys", h("table", { class: "keys" }, h("tbody", {}, rows)));
 }

@@ -1,7 +1,7 @@
 // The keys of the window, except those that drive.
 
-import { showKeys } from "../shared/dialogs.js";
 import { takesKeys } from "./drive.js";
+import { showKeys } from "./key_list.js";
 
 /** Who uses the mouse wants the keys for the simulator: what was clicked does not keep them. */
 function freeKeysAfterMouse() {

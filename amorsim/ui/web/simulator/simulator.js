@@ -1,6 +1,6 @@
 // The Simulator's window: elements, connection and what the one says to the other.
 
-import { showKeys, tell } from "../shared/dialogs.js";
+import { tell } from "../shared/dialogs.js";
 import { leadBack } from "./back.js";
 import { colourChip, fixed, h, say } from "../shared/dom.js";
 import { Driving } from "./drive.js";
@@ -8,6 +8,7 @@ import { Events } from "./events.js";
 import { Fleet } from "./fleet.js";
 import { Futures } from "./futures.js";
 import { Form } from "../shared/forms.js";
+import { showKeys } from "./key_list.js";
 import { listenToKeys } from "./keys.js";
 import { BELIEFS, build } from "./layout.js";
 import { Numbers } from "./numbers.js";
