@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +17,8 @@ LEFT_WHEEL = "errors.drive.wheel_radius_left.scale"
 
 
 @pytest.fixture
-def parted(window: Window) -> Window:
-    """Twenty steps ahead; then ten others, from the tenth on, with a larger wheel."""
+def parted(window: Window) -> Iterator[Window]:
+    """Twenty steps ahead; then ten others, from the tenth on, with a larger wheel; the next test has it as it was."""
     window.page.keyboard.press("m")
     window.until("driving.isByHand")
     window.do(do="drive", robot="rover", forward=0.5)
@@ -31,7 +32,9 @@ def parted(window: Window) -> Window:
     window.do(do="step", steps=8)
     window.until("newest.tick === 18")
     window.drawn()
-    return window
+    yield window
+    window.do(do="reset")
+    window.do(do="restore", robot="rover")
 
 
 def test_two_futures_are_seen_side_by_side_and_in_numbers(parted: Window) -> None:
