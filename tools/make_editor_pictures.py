@@ -75,7 +75,7 @@ def do_it(editor: Editor, show: Callable[[str], None]) -> None:
     add_thing(page, "pioneer2dx")
     editor.step(lambda: editor.drag((1.5, 1.5), (2.5, 2.5)))
     editor.until("stage.selection.only?.path === 'robots.0'")
-    _open(editor, "robots.0.controller")
+    editor.unfold("robots.0.controller")
     editor.step(lambda: page.select_option("[id='use-robots.0.controller']", "wander"))
     page.wait_for_selector('[data-path="robots.0.controller.speed"]')  # what was chosen is there to be seen
     _scroll_to(editor, "robots.0.controller")
@@ -85,7 +85,7 @@ def do_it(editor: Editor, show: Callable[[str], None]) -> None:
     editor.step(lambda: editor.click(6.0, 4.8))
     editor.until("stage.selection.only?.kind === 'obstacle'")
     path = str(editor.see("stage.selection.only.path"))
-    _open(editor, f"{path}.motion")
+    editor.unfold(f"{path}.motion")
     editor.step(lambda: page.select_option(f"[id='use-{path}.motion']", "loop"))
     page.click("text=draw the waypoints")
     for x, y in ((6.0, 4.8), (7.4, 4.8), (7.4, 3.4)):
@@ -96,10 +96,10 @@ def do_it(editor: Editor, show: Callable[[str], None]) -> None:
 
     page.click('[data-key="robots.0"]')
     page.wait_for_selector('[data-section="robots.0.errors"]')
-    _open(editor, "robots.0.errors")
+    editor.unfold("robots.0.errors")
     page.select_option("[id='add-robots.0.errors']", "drive.wheel_radius_left")
     editor.step(lambda: page.click("[aria-label='add an error']"))
-    _open(editor, "robots.0.errors.drive.wheel_radius_left")
+    editor.unfold("robots.0.errors.drive.wheel_radius_left")
     scale = page.locator('[data-path="robots.0.errors.drive.wheel_radius_left.scale"] input').first
     scale.fill("1.005")
     editor.step(lambda: scale.press("Enter"))
@@ -117,12 +117,6 @@ def do_it(editor: Editor, show: Callable[[str], None]) -> None:
     show("run")
     page.click("text=← edit")
     editor.until("state && !state.is_behind && stage.still")
-
-
-def _open(editor: Editor, section: str) -> None:
-    """Unfold a section of the inspector."""
-    editor.page.wait_for_selector(f'[data-section="{section}"]')
-    editor.page.evaluate("section => (document.querySelector(`[data-section='${section}']`).open = true)", section)
 
 
 def _scroll_to(editor: Editor, section: str) -> None:

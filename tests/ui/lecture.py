@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 from tests.ui.test_window_editor import Editor
 from tests.ui.windows import Window, expect
@@ -42,14 +41,14 @@ def give_it(editor: Editor, show: Callable[[str], None]) -> Path:
     page.locator("dialog .card-choice:visible", has_text="two driven wheels and a castor").first.click()
     editor.step(lambda: editor.click(2.0, 6.6))
     editor.until("stage.selection.only?.path === 'robots.0'")
-    _open(editor, "robots.0.controller")
+    editor.unfold("robots.0.controller")
     editor.step(lambda: page.select_option("[id='use-robots.0.controller']", "wander"))
-    _open(editor, "robots.0.knowledge")
+    editor.unfold("robots.0.knowledge")
     editor.step(lambda: page.select_option("[id='use-robots.0.knowledge']", "the world's"))
-    _open(editor, "robots.0.errors")
+    editor.unfold("robots.0.errors")
     page.select_option("[id='add-robots.0.errors']", "drive.wheel_radius_left")
     editor.step(lambda: page.click("[aria-label='add an error']"))
-    _open(editor, "robots.0.errors.drive.wheel_radius_left")
+    editor.unfold("robots.0.errors.drive.wheel_radius_left")
     scale = page.locator('[data-path="robots.0.errors.drive.wheel_radius_left.scale"] input').first
     scale.fill("1.003")
     editor.step(lambda: scale.press("Enter"))
@@ -92,9 +91,3 @@ def _play(window: Window, tick: int) -> None:
     window.do(do="run")
     window.until(f"newest.tick >= {tick}", seconds=240.0)
     window.do(do="pause")
-
-
-def _open(editor: Editor, section: str) -> Any:
-    """Unfold a section of the inspector."""
-    editor.page.wait_for_selector(f'[data-section="{section}"]')
-    return editor.page.evaluate("one => (document.querySelector(`[data-section='${one}']`).open = true)", section)

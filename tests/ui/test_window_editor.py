@@ -74,6 +74,11 @@ class Editor:
             f"([x, y, s]) => {{ const c = {PAGE}.stage.camera; c.scale = s; c.centre(x, y); }}", [x, y, scale]
         )
 
+    def unfold(self, section: str) -> None:
+        """Open a section of the inspector."""
+        self.page.wait_for_selector(f'[data-section="{section}"]')
+        self.page.evaluate("one => (document.querySelector(`[data-section='${one}']`).open = true)", section)
+
     def close(self) -> None:
         problems = self.window.problems
         self.page.context.close()

@@ -174,10 +174,10 @@ def test_a_cross_marks_only_what_has_happened(window: Window) -> None:
     window.until(f"newest.newest === {at} && !(newest.states & 4)")
     assert window.see("stage.mark") is None
     # What came after has not gone for good.
-    window.page.locator(".events-list .back").click()
+    window.page.locator(".futures button", has_text="take up").click()
     window.until("newest.newest === 30")
     window.page.locator(".events-list button", has_text="wall").first.wait_for()
-    window.page.locator(".events-list .back").click()
+    window.page.locator(".futures button", has_text="take up").click()
     window.until(f"newest.newest === {at}")
 
 

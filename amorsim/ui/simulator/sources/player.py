@@ -268,7 +268,9 @@ class Player(Simulated):
         AmorsimError
             If it is not kept, or the run is written as it goes.
         """
-        if not self._others or self._writing.folder is not None:
+        if self._writing.folder is not None:
+            raise AmorsimError("there is no later history to go back to: the run is written as it goes")
+        if not self._others:
             raise AmorsimError("there is no later history to go back to")
         left = self._others[-1] if number is None else self._other(number)
         if self._present is None:

@@ -46,6 +46,20 @@ export class SceneLayer extends Layer {
   }
 }
 
+/**
+ * A layer that shows one of the views.
+ * @template {Sight} [T=Sight]
+ * @extends {SceneLayer<T>}
+ */
+export class ViewLayer extends SceneLayer {
+  /** @param {T} stage
+   * @param {View} view */
+  constructor(stage, view) {
+    super(stage);
+    this.view = view;
+  }
+}
+
 /** Walls and floor, as they are. */
 export class WorldLayer extends SceneLayer {
   isStatic = true;
@@ -74,14 +88,7 @@ export class BodiesLayer extends SceneLayer {
 }
 
 /** What is selected of one view, where it is not a robot or a reading, which show themselves. */
-export class SelectionLayer extends SceneLayer {
-  /** @param {Sight} stage
-   * @param {View} view */
-  constructor(stage, view) {
-    super(stage);
-    this.view = view;
-  }
-
+export class SelectionLayer extends ViewLayer {
   get things() {
     return this.stage.selection.things.filter((thing) => thing.view === this.view);
   }
@@ -110,16 +117,9 @@ export class SelectionLayer extends SceneLayer {
 }
 
 /** Names next to robots: of the others only where the world is shown, for a robot knows nothing of them. */
-export class NamesLayer extends SceneLayer {
+export class NamesLayer extends ViewLayer {
   /** @type {"pane"} */
   space = "pane";
-
-  /** @param {Sight} stage
-   * @param {View} view */
-  constructor(stage, view) {
-    super(stage);
-    this.view = view;
-  }
 
   /** @param {Brush} brush */
   draw({ context, camera, theme }) {

@@ -5,7 +5,7 @@ import { h } from "../shared/dom.js";
 const MOST = 300; // shown at once
 
 export class Events {
-  /** @param on `{go(event), stack(event), back()}` */
+  /** @param on `{go(event), stack(event)}` */
   constructor(list, on) {
     this.list = list;
     this.on = on;
@@ -31,12 +31,7 @@ export class Events {
         h("span", { class: serious ? "what serious" : "what" }, event.text.replace(/[._](?=\w)/g, "$&\u200b")),
       );
       const stack = event.stack ? h("button", { class: "quiet", onclick: () => this.on.stack(event) }, "stack") : null;
-      // Only what was left last is kept.
-      if (event.kind === "continued") this.list.querySelector(".back")?.remove();
-      const back = event.kind === "continued" && !event.text.includes(" kept in ")
-        ? h("button", { class: "quiet back", title: "take up again what was left", onclick: () => this.on.back() }, "back to it")
-        : null;
-      this.list.prepend(h("li", {}, go, stack, back));
+      this.list.prepend(h("li", {}, go, stack));
     }
     while (this.list.children.length > MOST) this.list.lastChild.remove();
   }

@@ -2,7 +2,7 @@
 
 import { drawCloud, drawHypotheses } from "../shared/cloud.js";
 import { drawBelievedParts, drawEllipse, drawMap, drawMarks, drawRobot, drawTrail, trace } from "../shared/marks.js";
-import { SceneLayer } from "../shared/world.js";
+import { SceneLayer, ViewLayer } from "../shared/world.js";
 import { poseAt } from "./futures.js";
 import { drawReadings, isDrawn } from "./readings.js";
 
@@ -32,16 +32,9 @@ export class KnownLayer extends SceneLayer {
 
 /**
  * The robot that is looked at, where it is or believes to be, with its readings and its path.
- * @extends {SceneLayer<import("./stage.js").Stage>}
+ * @extends {ViewLayer<import("./stage.js").Stage>}
  */
-export class RobotLayer extends SceneLayer {
-  /** @param {import("./stage.js").Stage} stage
-   * @param {View} view */
-  constructor(stage, view) {
-    super(stage);
-    this.view = view;
-  }
-
+export class RobotLayer extends ViewLayer {
   /** @param {Brush} brush */
   draw({ context, camera, theme }) {
     const { robot, stage, view } = this;
@@ -94,16 +87,9 @@ export class MarkLayer extends SceneLayer {
 
 /**
  * The paths of other futures, and where the robot was in each of them at this time.
- * @extends {SceneLayer<import("./stage.js").Stage>}
+ * @extends {ViewLayer<import("./stage.js").Stage>}
  */
-export class FuturesLayer extends SceneLayer {
-  /** @param {import("./stage.js").Stage} stage
-   * @param {View} view */
-  constructor(stage, view) {
-    super(stage);
-    this.view = view;
-  }
-
+export class FuturesLayer extends ViewLayer {
   get isShown() {
     return super.isShown && this.stage.futures.length > 0;
   }
@@ -129,18 +115,11 @@ export class FuturesLayer extends SceneLayer {
 
 /**
  * The names of other futures, at their robots or at the ends of their paths.
- * @extends {SceneLayer<import("./stage.js").Stage>}
+ * @extends {ViewLayer<import("./stage.js").Stage>}
  */
-export class FutureNamesLayer extends SceneLayer {
+export class FutureNamesLayer extends ViewLayer {
   /** @type {"pane"} */
   space = "pane";
-
-  /** @param {import("./stage.js").Stage} stage
-   * @param {View} view */
-  constructor(stage, view) {
-    super(stage);
-    this.view = view;
-  }
 
   get isShown() {
     return super.isShown && this.stage.futures.length > 0;

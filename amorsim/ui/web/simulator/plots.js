@@ -37,8 +37,10 @@ class QuantityPlot {
     this.element = h("div", { class: "one-plot" }, this.head, h("div", { class: "plot-area" }, this.chart));
     this.element.addEventListener("dragover", (event) => event.dataTransfer.types.includes(QUANTITY) && event.preventDefault());
     this.element.addEventListener("drop", (event) => {
+      const quantity = event.dataTransfer.getData(QUANTITY);
+      if (!quantity) return; // a panel, for the slot around this
       event.preventDefault();
-      this.choose(event.dataTransfer.getData(QUANTITY));
+      this.choose(quantity);
     });
   }
 

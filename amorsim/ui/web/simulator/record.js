@@ -1,6 +1,6 @@
 // What is kept of a robot over time: every quantity, as true, measured and estimated, for the plots.
 
-import { nearest, Series } from "../shared/series.js";
+import { Series } from "../shared/series.js";
 import { momentsOf } from "./past.js";
 import { KINDS, quantitiesOf } from "./quantities.js";
 
@@ -51,17 +51,6 @@ export class Record {
   columns(key, kinds) {
     const series = this.series.get(key);
     return kinds.map((kind) => series.values[kind === SIGMA ? KINDS.length : KINDS.indexOf(kind)]);
-  }
-
-  /**
-   * The values of a quantity in the sample that is nearest to a time, as [true, measured, estimated, difference].
-   * @param {string} key
-   * @param {number} time
-   */
-  at(key, time) {
-    const series = this.series.get(key);
-    const n = nearest(series?.times ?? [], time);
-    return n < 0 ? null : series.values.map((column) => column[n]);
   }
 }
 

@@ -67,7 +67,6 @@ export class Simulator {
     });
     this.events = new Events(this.parts.events, {
       go: (event) => this.go(event),
-      back: () => this.ask({ do: "go_back" }),
       stack: (event) => tell("What the controller raised", h("pre", { tabindex: "0" }, event.stack)),
     });
     this.stage.selection.listen((selection) => (this.parts.card.hidden = !selection.only));

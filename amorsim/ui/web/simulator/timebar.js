@@ -155,7 +155,7 @@ export class TimeBar {
   setState(state) {
     this.reason = state.can_continue === false ? state.reason.replace(/\.$/, "") : "";
     this.carryOn.disabled = Boolean(this.reason);
-    this.carryOn.title = this.reason || "simulate on from this moment; what came after it is kept, and the events lead back to it";
+    this.carryOn.title = this.reason || "simulate on from this moment; what came after it stays beside it";
   }
 }
 
