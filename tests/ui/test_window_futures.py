@@ -245,6 +245,8 @@ def test_a_class_sees_all_whatever_is_folded_or_alone(window: Window) -> None:
         expect(page.locator(f".panel.{name}")).to_be_visible()
     page.set_viewport_size(size)
     page.get_by_label("panels as at first").click()
+    expect(page.locator(".panel.robot")).to_be_visible()
+    expect(page.get_by_label("control alone")).to_have_attribute("aria-pressed", "false")
 
 
 def test_a_fleet_is_listed_searched_and_picked_by_a_box(window: Window) -> None:

@@ -69,10 +69,14 @@ export class Arrangement {
   showAlone(panel, button) {
     const slot = panel.parentElement;
     const isAlone = !slot.classList.contains("solo");
-    for (const other of this.element.querySelectorAll(".slot.solo")) other.classList.remove("solo");
-    for (const other of this.element.querySelectorAll("button.alone")) other.setAttribute("aria-pressed", "false");
+    this.showAll();
     slot.classList.toggle("solo", isAlone);
     button.setAttribute("aria-pressed", String(isAlone));
+  }
+
+  showAll() {
+    for (const other of this.element.querySelectorAll(".slot.solo")) other.classList.remove("solo");
+    for (const other of this.element.querySelectorAll("button.alone")) other.setAttribute("aria-pressed", "false");
   }
 
   /** Let the panels of two slots change places.
@@ -221,6 +225,7 @@ export class Arrangement {
   }
 
   reset() {
+    this.showAll();
     this.clear();
     for (const [slot, inside] of Object.entries(this.first)) this.slots[slot].replaceChildren(...inside);
     this.keep();
