@@ -9,12 +9,18 @@ Needs the extra "dev" and Debian's chromium.
 
 from __future__ import annotations
 
+import heapq
 import re
+import runpy
 import shutil
 import sys
 import tempfile
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
+import numpy as np
+from PIL import Image
 from playwright.sync_api import Browser, sync_playwright
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -22,6 +28,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
 from make_screenshots import save  # noqa: E402 - beside us, not installed
 
 import amorsim as am  # noqa: E402
+from amorsim.contracts.planner import Plan  # noqa: E402
 from amorsim.labs import Lab, find_labs  # noqa: E402
 from tests.ui.windows import CHROMIUM, FLAGS, Server, Window  # noqa: E402
 
@@ -94,10 +101,30 @@ def photograph(browser: Browser, lab: Lab, program: Path, targets: dict[str, Pat
 
 
 def draw_search(lab: Lab) -> None:
-    """Draw the cells that A* looks at in a lab's house, and the way that it finds."""
-    house, start, goal = am.load_map(lab.folder / "house.wld"), (1.0, 1.0), (12.5, 2.5)
-    plan = am.planners.AStar(cell=0.1).plan(house, start, goal, footprint=am.load_robot("pioneer2dx").shape)
-    am.draw_plan(house, plan, start, goal, size=1200).save(lab.folder / PICTURE, optimize=True)
+    """Draw the cells that the good solution of lab 11 takes out of its queue, and the way that it finds."""
+    solution: dict[str, Any] = runpy.run_path(str(lab.folder / "solutions" / "good.py"))
+    taken_out = []
+
+    def pop(queue: list[Any]) -> Any:
+        taken_out.append(heapq.heappop(queue))
+        return taken_out[-1]
+
+    start, goal = (1.0, 1.0), solution["GOAL"]
+    find_path, cell_at = solution["find_path"], solution["cell_at"]
+    find_path.__globals__["heapq"] = SimpleNamespace(heappush=heapq.heappush, heappop=pop)
+    cells = find_path(solution["free_cells"](), cell_at(*start), cell_at(*goal))
+    searched, path = (
+        (np.array(places)[:, ::-1] + 0.5) * solution["SIDE"]
+        for places in (list(dict.fromkeys(c for _, c in taken_out)), cells)
+    )
+    plan = Plan(
+        status="found", poses=np.column_stack((path, np.zeros(len(path)))), expanded=len(searched), searched=searched
+    )
+    light = np.asarray(am.draw_plan(am.load_map(lab.folder / "house.wld"), plan, start, goal, size=1200)) / 255.0
+    # The same hues, with light and dark exchanged.
+    dark = light + (1.0 - light.max(axis=2, keepdims=True) - light.min(axis=2, keepdims=True))
+    for name, picture in ((PICTURE, light), (DARK, 0.09 + 0.86 * dark)):
+        Image.fromarray(np.round(255.0 * picture).astype(np.uint8)).save(lab.folder / name, optimize=True)
 
 
 if __name__ == "__main__":

@@ -25,10 +25,17 @@ CONTENTS = ("index", "explanation/errors/README", "labs/README")
 SCENARIOS = "reference/scenarios"
 """The page of bundled scenarios, where each can be played."""
 
+HANDOUTS = re.compile(r"^labs/(\d+)-[^/]*/handout$")
+"""Pages of labs, where a run of the good solution can be played."""
+
 _RUN = re.compile(r"^```sh\namorsim run (\S+)\n```$", re.MULTILINE)
 _PLAY = r"""\g<0>
 
 <p class="play"><a href="../runs/\1.html">Play a run of it</a></p>"""
+_VIEW = re.compile(r"^```sh\namorsim view lab.toml\n```$", re.MULTILINE)
+_PLAY_LAB = r"""\g<0>
+
+<p class="play"><a href="../../runs/lab-{}.html#lecture">Play a run of the good solution, in large writing</a></p>"""
 _ALONE = "---\norphan: true\n---\n\n"  # of a page that its own list leads to, and not the table beside every page
 
 _LINK = re.compile(r"(!?\[[^\]]*\]\()([^)\s]+)(\))")
@@ -109,6 +116,8 @@ def as_contents(page: str, text: str) -> str:
         return _list_of_parts(page, text)
     if page == SCENARIOS:
         return _RUN.sub(_PLAY, text)
+    if lab := HANDOUTS.match(page):
+        return _VIEW.sub(_PLAY_LAB.format(lab[1]), text, count=1)
     if page.startswith("decisions/"):
         return _ALONE + text
     if page not in CONTENTS:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from amorsim.labs import find_labs
 from amorsim.plugins.manager import make_registry
 from amorsim.plugins.registry import KINDS
 from tests.first_hour.conftest import ROOT
@@ -82,3 +83,10 @@ def test_what_is_left_of_earlier_pages_goes(docs: Path) -> None:
     old.write_text("# gone\n")
     site_pages.make_parts(docs)
     assert not old.exists()
+
+
+def test_each_handout_plays_the_run_that_the_site_makes_of_its_lab() -> None:
+    for lab in find_labs():
+        page = f"labs/{lab.folder.name}/handout"
+        text = (ROOT / "docs" / page).with_suffix(".md").read_text(encoding="utf-8")
+        assert site_pages.as_contents(page, text).count(f'href="../../runs/lab-{lab.number:02d}.html#lecture"') == 1
