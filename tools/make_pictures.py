@@ -17,7 +17,7 @@ from PIL import Image
 
 import amorsim as am
 
-__all__ = ["make"]
+__all__ = ["PICTURES", "make", "save_small"]
 
 PICTURES = Path(__file__).resolve().parents[1] / "docs" / "pictures"
 WIDTH = 1200  # pixels
@@ -53,12 +53,12 @@ def make(folder: Path) -> None:
         _amorsim(work, "plot", "monday")
         for scenario in SCENARIOS:
             _amorsim(work, "run", scenario, "--out", scenario, "--quiet")
-            _save_small(work / scenario / "picture.png", folder / f"{scenario}.png")
+            save_small(work / scenario / "picture.png", folder / f"{scenario}.png")
         _amorsim(work, "run", "swarm", "--duration", "20", "--out", "swarm", "--quiet")
-        _save_small(work / "swarm" / "picture.png", folder / "swarm.png", width=800, colours=48)
+        save_small(work / "swarm" / "picture.png", folder / "swarm.png", width=800, colours=48)
         for scenario, name in MAPS.items():
             _amorsim(work, "run", scenario, "--out", scenario, "--quiet")
-            _save_small(work / scenario / "estimated-maps" / f"{name}.pgm", folder / f"{scenario}.png")
+            save_small(work / scenario / "estimated-maps" / f"{name}.pgm", folder / f"{scenario}.png")
         film = ("--duration", "15", "--gif", str(folder / "crowd.gif"), "--gif-size", "640", "--force")
         _amorsim(work, "run", "crowd", *film, "--out", "crowd", "--quiet")
         for source, target in (
@@ -66,9 +66,9 @@ def make(folder: Path) -> None:
             ("monday/picture.png", "first-run.png"),
             ("monday/plots/monday-rover-seed1-error.png", "first-run-error.png"),
         ):
-            _save_small(work / source, folder / target)
+            save_small(work / source, folder / target)
         am.draw(*_of_notebook(), replica=2, title="replica 2 after a minute").save(work / "notebook.png")
-        _save_small(work / "notebook.png", folder / "notebook.png")
+        save_small(work / "notebook.png", folder / "notebook.png")
 
 
 def _of_notebook() -> tuple[am.Simulation, dict[str, Any]]:
@@ -81,7 +81,8 @@ def _amorsim(work: Path, *arguments: str) -> None:
     subprocess.run([sys.executable, "-m", "amorsim", *arguments], cwd=work, check=True)
 
 
-def _save_small(source: Path, target: Path, width: int = WIDTH, colours: int = COLOURS) -> None:
+def save_small(source: Path, target: Path, width: int = WIDTH, colours: int = COLOURS) -> None:
+    """Save a picture with few colours, at most `width` pixels wide; twice as large if it is small."""
     with Image.open(source) as opened:
         picture = opened.convert("RGB")
     if 2 * picture.width < width:  # a map, a pixel for each cell

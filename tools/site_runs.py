@@ -1,4 +1,4 @@
-"""The runs that the website plays: of each bundled scenario, and of each lab's good solution; `docs/conf.py` makes them."""
+"""The runs that the website plays, of bundled scenarios and of labs' good solutions; `docs/conf.py` makes them."""
 
 from __future__ import annotations
 
