@@ -2,8 +2,8 @@
 
     python tools/try_wheels.py dist
 
-All bundled scenarios run and compile nothing; the report, the page of a run, the window, and what the messages advise
-work. It ends with an error where that is not so.
+All bundled scenarios run and compile nothing; the examples of the docs, the report, the page of a run, the window, and
+what the messages advise work. It ends with an error where that is not so.
 """
 
 from __future__ import annotations
@@ -41,11 +41,13 @@ class Trial:
         names = [f"{wheel}[learn,ui,plot]" if wheel.name.startswith("amorsim-") else str(wheel) for wheel in wheels]
         self.run("python", "-m", "pip", "install", "--quiet", "-c", str(ROOT / "constraints.txt"), *names)
 
-    def run(self, *command: str) -> str:
-        """What a command prints; an error if it fails."""
+    def run(self, *command: str, folder: str = ".") -> str:
+        """What a command prints, in a folder of the empty one; an error if it fails."""
+        where = self._work / folder
+        where.mkdir(parents=True, exist_ok=True)
         found = subprocess.run(
             [self._bin / command[0], *command[1:]],
-            cwd=self._work,
+            cwd=where,
             env=self._environment,
             capture_output=True,
             text=True,
@@ -98,6 +100,11 @@ def main(dist: Path) -> None:
             _say(f"{name}: {trial.compiled() - before} functions compiled so far")
         new = trial.compiled() - before
         _expect(new == 0, f"expected that nothing is compiled, got {new} functions")
+        for example in sorted((ROOT / "docs" / "examples").glob("*.py")):
+            printed = trial.run("python", str(example), folder=example.stem)
+            expected = example.with_suffix(".out").read_text(encoding="utf-8")  # last digits are a machine's own
+            _expect(len(printed.split()) == len(expected.split()), f"{example.name}: expected\n{expected}\n{printed}")
+        _say("the examples of the docs print what they are to print")
         trial.run("amorsim", "report", "runs/demo")
         trial.run("amorsim", "export", "runs/demo", "--to", "html")
         trial.run("amorsim", "plot", "runs/demo")

@@ -150,7 +150,7 @@ def test_pictures_are_small() -> None:
     for path in pictures:
         assert path.stat().st_size < 300_000, path.name
         with Image.open(path) as picture:
-            assert min(picture.size) > 400
+            assert max(picture.size) > 400
 
 
 def test_moving_pictures_are_small() -> None:
