@@ -37,6 +37,9 @@ class TrueState(NamedTuple):
     twist: Array  # (N, 3) [m/s, m/s, rad/s], in the robot's frame
     is_touching: Bools  # (N,) whether it touched something in the last step
     map_of: Callable[[int], Map]  # of a row
+    pose_of: Callable[[str], Array]  # (N, 3) of the robot or obstacle of a name, in each row's world
+    part_pose: Array  # (N, p, 3) of the robot's parts, such as trailers
+    lines: tuple[Array, ...]  # the lines on the floor, each (M, 2) [m], a closed one with its first point again
 
 
 class StepOutcome(NamedTuple):

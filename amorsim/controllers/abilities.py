@@ -9,7 +9,8 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Estimate, Joint, Measurement, RobotModel, State
+from amorsim.contracts import Estimate, Measurement, RobotModel, State
+from amorsim.contracts.joints import at_rest, joints_of
 from amorsim.core.errors import ComponentError
 from amorsim.core.poses import compose
 from amorsim.kernels.behaviours.go_to_pose import head_for
@@ -17,46 +18,15 @@ from amorsim.kernels.behaviours.go_to_pose import head_for
 __all__ = [
     "Course",
     "abilities",
-    "at_rest",
     "command_along",
     "curvature_max",
     "heading_poses",
-    "joints_of",
     "needs_turning_in_place",
     "twist_limits",
 ]
 
 Array = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
-
-
-def at_rest(robot: RobotModel) -> Array:
-    """Joints `(N, j)` of a drive that points straight ahead: all at 0."""
-    return np.zeros((robot.rows, len(robot.drive.joints)))
-
-
-def joints_of(robot: RobotModel, readings: Mapping[str, Measurement]) -> Array:
-    """The drive's joints `(N, j)` [rad] from the first sensor that counts them; all 0 where none does.
-
-    They are also 0 where all joints only roll: their angles do not show where the wheels point.
-    """
-    rest = at_rest(robot)
-    if _only_rolls(robot.drive.joints):
-        return rest
-    for name, model in robot.sensors.items():
-        angles: Any = getattr(model.sensor, "angles", None)
-        if callable(angles):
-            found = np.asarray(angles(readings[name].measured))
-            if found.shape == rest.shape:
-                return np.where(np.isfinite(found), found, 0.0)
-    return rest
-
-
-def _only_rolls(joints: tuple[Joint, ...]) -> bool:
-    for joint in joints:  # noqa: SIM110 - asked in every step, and a generator takes longer
-        if not joint.rolls:
-            return False
-    return True
 
 
 def heading_poses(robot: RobotModel, poses: Array, joints: Array) -> Array:

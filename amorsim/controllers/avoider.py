@@ -21,7 +21,8 @@ from amorsim.contracts import (
     State,
     parameter,
 )
-from amorsim.controllers.abilities import Course, abilities, at_rest
+from amorsim.contracts.joints import at_rest
+from amorsim.controllers.abilities import Course, abilities
 from amorsim.controllers.beams import beams_of, range_sensor, turned_beams
 from amorsim.core.errors import ComponentError
 from amorsim.kernels.avoidance.arcs import Box

@@ -20,7 +20,8 @@ from amorsim.contracts import (
     State,
     parameter,
 )
-from amorsim.controllers.abilities import command_along, joints_of
+from amorsim.contracts.joints import joints_of
+from amorsim.controllers.abilities import command_along
 from amorsim.core.errors import ComponentError, did_you_mean
 
 __all__ = ["Braitenberg"]

@@ -24,7 +24,8 @@ from amorsim.contracts import (
     Task,
     parameter,
 )
-from amorsim.controllers.abilities import command_along, joints_of
+from amorsim.contracts.joints import joints_of
+from amorsim.controllers.abilities import command_along
 from amorsim.core.error_text import RAISED, error_in_words
 from amorsim.core.errors import ComponentError
 

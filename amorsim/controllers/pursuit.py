@@ -19,7 +19,8 @@ from amorsim.contracts import (
     State,
     parameter,
 )
-from amorsim.controllers.abilities import Course, abilities, at_rest, heading_poses
+from amorsim.contracts.joints import at_rest
+from amorsim.controllers.abilities import Course, abilities, heading_poses
 from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import ParameterError
 from amorsim.kernels.behaviours import pure_pursuit

@@ -22,7 +22,8 @@ from amorsim.contracts import (
     RobotModel,
     State,
 )
-from amorsim.controllers.abilities import command_along, joints_of
+from amorsim.contracts.joints import joints_of
+from amorsim.controllers.abilities import command_along
 from amorsim.core.error_text import RAISED, in_words
 from amorsim.core.errors import ControllerError
 from amorsim.core.one_robot import PoseVector, RobotReading, RobotReadings

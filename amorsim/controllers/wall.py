@@ -20,7 +20,8 @@ from amorsim.contracts import (
     State,
     parameter,
 )
-from amorsim.controllers.abilities import command_along, curvature_max, joints_of, twist_limits
+from amorsim.contracts.joints import joints_of
+from amorsim.controllers.abilities import command_along, curvature_max, twist_limits
 from amorsim.controllers.beams import beams_of, range_sensor, turned_beams
 from amorsim.core.errors import ComponentError
 from amorsim.kernels.behaviours.free_space import Sight

@@ -23,12 +23,11 @@ from amorsim.contracts import (
     State,
     parameter,
 )
+from amorsim.contracts.joints import at_rest, joints_of
 from amorsim.controllers.abilities import (
-    at_rest,
     command_along,
     curvature_max,
     heading_poses,
-    joints_of,
     twist_limits,
 )
 from amorsim.controllers.beams import beams_of, range_sensor, turned_beams

@@ -12,14 +12,18 @@ from amorsim.core.errors import AmorsimError
 if importlib.util.find_spec("gymnasium") is None:
     raise AmorsimError('environments for learners need the extra "learn": python -m pip install "amorsim[learn]"')
 
-from amorsim.learning.registration import TASKS, make, make_parallel, make_vec, register_all
+from amorsim.learning.evaluation import Evaluation, evaluate
+from amorsim.learning.registration import TASKS, load_environment, make, make_parallel, make_vec, register_all
 from amorsim.learning.single import SimulationEnv
 from amorsim.learning.vector import SimulationVectorEnv
 
 __all__ = [
     "TASKS",
+    "Evaluation",
     "SimulationEnv",
     "SimulationVectorEnv",
+    "evaluate",
+    "load_environment",
     "make",
     "make_parallel",
     "make_vec",

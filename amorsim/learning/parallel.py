@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from pettingzoo import ParallelEnv
 
-from amorsim.contracts import Draws, Observable, State, Task, TrueState
+from amorsim.contracts import Draws, Observable, State, Task
 from amorsim.controllers.manual import Manual
 from amorsim.core.draws import stream_key
 from amorsim.core.errors import AmorsimError
@@ -126,7 +126,7 @@ class SimulationParallelEnv(ParallelEnv):  # type: ignore[misc]
         self._take(actions)
         for _ in range(self._steps_per_action):
             self.simulation.step()
-        outcome = self.task.judge(self._truth(), self._episode)
+        outcome = self.task.judge(self.simulation.truth(self._order), self._episode)
         self._count += 1
         acted = {agent: self._row[agent] for agent in self.agents}
         is_late = self._count >= self._horizon
@@ -142,7 +142,7 @@ class SimulationParallelEnv(ParallelEnv):  # type: ignore[misc]
 
     def state(self) -> npt.NDArray[Any]:
         """The true quantities of all robots, for a critic: `Task.privileged` `(agents * p,)`."""
-        return self.task.privileged(self._truth(), self._episode).astype(self._dtype).ravel()
+        return self.task.privileged(self.simulation.truth(self._order), self._episode).astype(self._dtype).ravel()
 
     def render(self) -> npt.NDArray[np.uint8] | None:
         """A picture `(height, width, 3)`; None without a ``render_mode``."""
@@ -174,19 +174,11 @@ class SimulationParallelEnv(ParallelEnv):  # type: ignore[misc]
         counter[:, 1] = self.simulation.episodes[0]
         counter[:, 2] = self._order
         draws = Draws(np.full(count, stream_key(STUDY, "task"), dtype=np.uint64), counter)
-        self._episode: State = self.task.begin(self._truth(), draws)
+        self._episode: State = self.task.begin(self.simulation.truth(self._order), draws)
 
     @property
     def _known(self) -> Known:
         return self.simulation.known(self._known_names)
-
-    def _truth(self) -> TrueState:
-        """The true state, a row for each robot in the order of `_known_names`."""
-        simulation, rows = self.simulation, self._order
-        world = simulation.map_of()
-        return TrueState(
-            simulation.true_pose[rows], simulation.true_twist[rows], simulation.touching[rows], lambda _: world
-        )
 
     def _take(self, actions: dict[str, Any]) -> None:
         low, high = self.task.action_bounds

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import attrs
 import gymnasium as gym
 
-from amorsim.contracts import Task
+from amorsim.contracts import Controller, Task
 from amorsim.core.errors import AmorsimError
 from amorsim.core.unknown_names import no_such
 from amorsim.learning.single import SimulationEnv
@@ -21,7 +21,7 @@ from amorsim.scenario.spec import Scenario
 if TYPE_CHECKING:
     from amorsim.learning.parallel import SimulationParallelEnv
 
-__all__ = ["TASKS", "make", "make_parallel", "make_vec", "register_all"]
+__all__ = ["TASKS", "load_environment", "make", "make_parallel", "make_vec", "register_all"]
 
 _SCENARIOS = Path(__file__).parent / "scenarios"
 
@@ -34,6 +34,10 @@ TASKS = {
     "amorsim/Doors-v0": "doors.toml",
     "amorsim/Corridor-v0": "corridor.toml",
     "amorsim/FindYourself-v0": "find-yourself.toml",
+    "amorsim/Follow-v0": "follow.toml",
+    "amorsim/Dock-v0": "dock.toml",
+    "amorsim/Trailer-v0": "trailer.toml",
+    "amorsim/Line-v0": "line.toml",
 }
 """The scenario of each, by the name that Gymnasium has for it."""
 
@@ -63,6 +67,7 @@ def make_vec(
     dtype: str = "float32",
     threads: int = 1,
     render_mode: str | None = None,
+    controller: Controller | None = None,
     **parameters: Any,
 ) -> SimulationVectorEnv:
     """A vector environment: of a task by its name, or of a scenario of your own.
@@ -78,7 +83,7 @@ def make_vec(
     what
         The name of a task, or a scenario: its file, its bundled name or the object. It has one robot, whose
         controller the actions replace.
-    num_envs, autoreset_mode, privileged, dtype, threads, render_mode
+    num_envs, autoreset_mode, privileged, dtype, threads, render_mode, controller
         As of `SimulationVectorEnv`.
     task
         In place of the scenario's own.
@@ -87,7 +92,7 @@ def make_vec(
     """
     scenario, chosen = _chosen(what, task, parameters)
     given = {"autoreset_mode": autoreset_mode, "privileged": privileged, "dtype": dtype, "threads": threads}
-    given["render_mode"] = render_mode
+    given |= {"render_mode": render_mode, "controller": controller}
     return SimulationVectorEnv(scenario, chosen, num_envs, **given)
 
 
@@ -134,15 +139,27 @@ def make_parallel(
     return SimulationParallelEnv(*_chosen(what, task, parameters), dtype=dtype, render_mode=render_mode)
 
 
+def load_environment(name: str) -> Scenario:
+    """The scenario of an environment by its name, such as ``"amorsim/Dock-v0"``, to be changed and given to `make_vec`.
+
+    Raises
+    ------
+    ValueError
+        If there is none of that name.
+    """
+    known = TASKS | _OF_MANY
+    if name not in known:
+        raise ValueError(no_such("environment", name, list(known)))
+    return load(_SCENARIOS / known[name])
+
+
 def _chosen(
     what: str | os.PathLike[str] | Scenario, task: Task | None, parameters: dict[str, Any]
 ) -> tuple[Scenario, Task]:
     if isinstance(what, Scenario):
         scenario = what
-    elif str(what) in (known := TASKS | _OF_MANY):
-        scenario = load(_SCENARIOS / known[str(what)])
     elif str(what).startswith("amorsim/"):
-        raise ValueError(no_such("task", str(what), list(known)))
+        scenario = load_environment(str(what))
     else:
         scenario = load(what)
     chosen = scenario.task if task is None else task

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from amorsim.contracts import Draws, Observable, RobotModel, State, StepOutcome, Task, TrueState
+from amorsim.contracts import Controller, Draws, Observable, RobotModel, State, StepOutcome, Task
 from amorsim.controllers.manual import Manual
 from amorsim.core.draws import stream_key
 from amorsim.core.errors import AmorsimError
@@ -60,6 +60,8 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
     render_mode
         None, or ``"rgb_array"``: `render` returns a picture of each environment, as Gymnasium's `RecordVideo` takes
         them.
+    controller
+        That drives in place of the actions, which do nothing then: to see what it reaches, as `evaluate` does.
 
     Raises
     ------
@@ -78,6 +80,7 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
         dtype: str = "float32",
         threads: int = 1,
         render_mode: str | None = None,
+        controller: Controller | None = None,
     ) -> None:
         if len(scenario.robots) != 1:
             raise AmorsimError(f"expected a scenario with one robot, got one with {len(scenario.robots)}")
@@ -97,8 +100,9 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
         self._pictures: Pictures | None = None
         self._threads = threads
         self._robot_name = scenario.robots[0].name
-        hand = Manual()
-        self._scenario = attrs.evolve(scenario, robots=[attrs.evolve(scenario.robots[0], controller=hand)])
+        self._is_driven = controller is None
+        driver = Manual() if controller is None else controller
+        self._scenario = attrs.evolve(scenario, robots=[attrs.evolve(scenario.robots[0], controller=driver)])
         self._steps_per_action = whole_steps(task.period, scenario.dt, "period")
         self._horizon = whole_steps(task.horizon, task.period, "horizon")
         self._dtype = np.dtype(dtype)
@@ -120,7 +124,7 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
         low, high = (bound.astype(self._dtype) for bound in self.task.bounds(self._robot))
         space: gym.Space[Any] = gym.spaces.Box(low, high, dtype=self._dtype.type)
         if self._is_privileged:
-            size = self.task.privileged(self._truth(slice(None)), self._episode).shape[1]
+            size = self.task.privileged(self.simulation.truth(), self._episode).shape[1]
             wide = gym.spaces.Box(-_LARGE, _LARGE, (size,), dtype=self._dtype.type)
             space = gym.spaces.Dict({"observation": space, "privileged": wide})
         self.single_observation_space = space
@@ -190,7 +194,7 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
         rows = np.flatnonzero(which)
         numbers = self.simulation.replicas
         self.simulation.reset(replicas=[numbers[row] for row in rows.tolist()])
-        for name, array in self.task.begin(self._truth(rows), self._draws(rows)).items():
+        for name, array in self.task.begin(self.simulation.truth(rows.tolist()), self._draws(rows)).items():
             self._episode[name][rows] = array
         self._action[rows] = 0.0
 
@@ -199,7 +203,7 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
         self.simulation = self._simulate(seeds)
         self._pictures = None
         rows = np.arange(self.num_envs)
-        self._episode: State = self.task.begin(self._truth(rows), self._draws(rows))
+        self._episode: State = self.task.begin(self.simulation.truth(rows.tolist()), self._draws(rows))
         self._is_begun = True
 
     def _draws(self, rows: npt.NDArray[np.intp]) -> Draws:
@@ -229,7 +233,7 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
         self._take(actions)
         for _ in range(self._steps_per_action):
             self.simulation.step()
-        outcome = self.task.judge(self._truth(slice(None)), self._episode)
+        outcome = self.task.judge(self.simulation.truth(), self._episode)
         self._count += 1
         truncated = self._count >= self._horizon
         reward, terminated = outcome.reward.copy(), outcome.is_terminated.copy()
@@ -255,6 +259,8 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
         if taken.shape != self._action.shape or not np.isfinite(taken).all():
             raise ValueError(f"actions: expected finite numbers {self._action.shape}, got shape {taken.shape}")
         self._action = np.clip(taken, self._low, self._high)
+        if not self._is_driven:
+            return
         forward, turn, left = self.task.velocities(self._action)
         self.simulation.drive(self._robot_name, forward=forward, turn=turn, left=left)
 
@@ -274,23 +280,13 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
     def _robot(self) -> RobotModel:
         return self.simulation.known(self._robot_name).robot
 
-    def _truth(self, rows: Any) -> TrueState:
-        simulation = self.simulation
-        numbers = np.arange(self.num_envs)[rows]
-        return TrueState(
-            simulation.true_pose[rows],
-            simulation.true_twist[rows],
-            simulation.touching[rows],
-            lambda row: simulation.map_of(simulation.replicas[numbers[row]]),
-        )
-
     def _observations(self) -> Any:
         """Arrays of their own: the next step does not change them."""
         known = Observable(*self.simulation.known(self._robot_name), self._action)
         seen = self.task.observe(known, self._episode).astype(self._dtype)
         if not self._is_privileged:
             return seen
-        truth = self._truth(slice(None))
+        truth = self.simulation.truth()
         return {"observation": seen, "privileged": self.task.privileged(truth, self._episode).astype(self._dtype)}
 
     def _infos(self, which: Bools, outcome: StepOutcome | None = None) -> dict[str, Any]:

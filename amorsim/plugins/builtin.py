@@ -169,6 +169,9 @@ def amorsim_register(registry: Registry) -> None:
     registry.metric("map_iou", "amorsim.metrics.mapping:MapIou")
 
     registry.task("point_goal", "amorsim.tasks.point_goal:PointGoal")
+    registry.task("follow_leader", "amorsim.tasks.follow_leader:FollowLeader")
+    registry.task("follow_line", "amorsim.tasks.follow_line:FollowLine")
+    registry.task("park", "amorsim.tasks.park:Park")
 
     for name in ("sick-lms200", "polaroid-600", "tcm2", "adxrs300"):
         registry.device(name, _PACKAGE / "devices" / f"{name}.toml")

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.controllers.abilities import command_along, joints_of
+from amorsim.contracts.joints import joints_of
+from amorsim.controllers.abilities import command_along
 from amorsim.controllers.manual import limited
 from amorsim.core.error_text import in_words
 from amorsim.core.errors import AmorsimError

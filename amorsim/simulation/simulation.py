@@ -8,7 +8,7 @@ from typing import Annotated, Any, overload
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Frame, ObstacleFrame
+from amorsim.contracts import Frame, ObstacleFrame, TrueState
 from amorsim.core.arguments import check_kind, checked, real, whole
 from amorsim.core.display import in_notebook
 from amorsim.core.error_text import in_words
@@ -39,6 +39,7 @@ from amorsim.simulation.regroup import frames_as
 from amorsim.simulation.restart import begin_episode, fleet_fitting
 from amorsim.simulation.schedule import Schedule
 from amorsim.simulation.snapshot import Snapshot, put_back, take_snapshot
+from amorsim.simulation.true_state import true_state
 from amorsim.simulation.world.occupancy import occupancy
 from amorsim.simulation.world.terrain import Terrains
 
@@ -346,6 +347,12 @@ class Simulation:
         if not isinstance(name, str) and group.names != names:
             raise AmorsimError(f"robots {', '.join(names)}: expected all that are alike, row by row, as in a frame")
         return Known(group.robot, group.readings, group.estimate)
+
+    @checked
+    def truth(self, rows: Sequence[int] | None = None) -> TrueState:
+        """The true state of all robots, or of some rows of `true_pose`: as a task for learners is given it."""
+        every = np.arange(len(self.replicas) * len(self.names))
+        return true_state(self._fleet, every if rows is None else every[np.asarray(rows, dtype=np.int64)])
 
     @property
     def parts(self) -> tuple[str, ...]:

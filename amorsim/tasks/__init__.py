@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from amorsim.tasks.follow_leader import FollowLeader
+from amorsim.tasks.follow_line import FollowLine
+from amorsim.tasks.park import Park
 from amorsim.tasks.point_goal import PointGoal
 
-__all__ = ["PointGoal"]
+__all__ = ["FollowLeader", "FollowLine", "Park", "PointGoal"]

@@ -9,6 +9,7 @@ import numpy.typing as npt
 from amorsim.contracts import Draws, Observable, RobotModel, State, StepOutcome, Task, TrueState, parameter
 from amorsim.kernels import elementary
 from amorsim.tasks.goals import goal_within
+from amorsim.tasks.observed import shares_of_range
 
 __all__ = ["PointGoal"]
 
@@ -80,16 +81,12 @@ class PointGoal(Task):
 
     def observe(self, known: Observable, episode: State) -> Array:
         """The observations `(N, 5 + beams)`."""
-        model = known.robot.sensors[self.sensor]
-        longest = np.asarray(getattr(model.sensor, "range_max")).reshape(-1, 1)  # noqa: B009 - of range sensors alone
-        ranges = known.readings[self.sensor].measured / longest
         pose = known.estimate.pose
         east, north = (episode["goal"] - pose[:, :2]).T
         bearing = elementary.arctan2(north, east) - pose[:, 2]
         away = np.minimum(np.hypot(east, north), self._farthest)
         goal = np.column_stack((away, np.cos(bearing), np.sin(bearing)))
-        ranges = np.where(ranges < 1.0, ranges, 1.0)  # no return, and no reading yet, are the longest too
-        return np.concatenate((goal, known.action, np.maximum(ranges, 0.0)), axis=1)
+        return np.concatenate((goal, known.action, shares_of_range(known, self.sensor)), axis=1)
 
     def judge(self, truth: TrueState, episode: State) -> StepOutcome:
         """Reward for coming nearer, for the goal, and for touching something."""

@@ -111,8 +111,9 @@ def check_component(
         A file that a map loader or a scenario loader is to read.
     scene
         Where a sensor, estimator, controller, motion or task is tried, in place of a hall with a post, a box, marks and
-        lamps: the map, obstacles, landmarks and lights of a scenario. Its robots set where those that are tried
-        start, and drive about by some centimetres a step.
+        lamps, for a task also with a line on the floor and somebody called ``leader`` who walks: the map, obstacles,
+        landmarks and lights of a scenario. Its robots set where those that are tried start, and drive about by some
+        centimetres a step.
 
     Warns
     -----

@@ -14,9 +14,15 @@ from amorsim.contracts import Draws, Observable, StepOutcome, Task, TrueState
 from amorsim.controllers.wander import Wander
 from amorsim.core.draws import stream_key
 from amorsim.core.map import Map
+from amorsim.core.poses import Mount
+from amorsim.core.shapes import Shape
+from amorsim.motions.routes import Loop
+from amorsim.scenario.floor import Floor, Marking
 from amorsim.scenario.pose import Pose
 from amorsim.scenario.reading.robots import load_robot
-from amorsim.scenario.spec import Scenario
+from amorsim.scenario.spec import MountedSensor, Obstacle, Scenario
+from amorsim.sensors.fiducial import Fiducial
+from amorsim.sensors.line import Line
 from amorsim.simulation.simulation import Simulation
 from amorsim.testing.failure import Who, array_in_words
 
@@ -56,14 +62,14 @@ def _trial(who: Who, task: Task, scenario: Scenario, replicas: Sequence[int]) ->
     counter[:, 0] = replicas
     draws = Draws(np.full(rows, stream_key(0, "task"), dtype=np.uint64), counter)
     with who.calling("begin"):
-        episode = task.begin(_truth(simulation), draws)
+        episode = task.begin(simulation.truth(), draws)
     for key, array in episode.items():
         fits = isinstance(array, np.ndarray) and array.shape[:1] == (rows,)
         who.require(fits, "shapes", f"begin(): {key!r}", f"an array ({rows}, ...)", array_in_words(array))
     found: dict[str, list[Array]] = {"observations": [], "rewards": [], "ends": [], "successes": [], "privileged": []}
     for _ in range(_STEPS):
         simulation.run(_PER_STEP * scenario.dt)
-        known, truth = Observable(*simulation.known(name), actions), _truth(simulation)
+        known, truth = Observable(*simulation.known(name), actions), simulation.truth()
         _check_blindness(who, task, known, truth, episode)
         outcome = _judged(who, task, truth, episode)
         seen = _observed(who, task, known, episode)
@@ -119,7 +125,14 @@ def _observed(who: Who, task: Task, known: Observable, episode: dict[str, Array]
 
 def _check_blindness(who: Who, task: Task, known: Observable, truth: TrueState, episode: dict[str, Array]) -> None:
     """What was judged by another truth changes no observation: the robot would know what it cannot."""
-    elsewhere = truth._replace(pose=truth.pose + 0.7, twist=truth.twist - 0.3, is_touching=~truth.is_touching)
+    elsewhere = truth._replace(
+        pose=truth.pose + 0.7,
+        twist=truth.twist - 0.3,
+        is_touching=~truth.is_touching,
+        pose_of=lambda name: truth.pose_of(name) + 0.4,
+        part_pose=truth.part_pose - 0.6,
+        lines=tuple(line + 0.2 for line in truth.lines),
+    )
     seen = []
     for each in (truth, elsewhere):
         own = copy.deepcopy(episode)
@@ -129,14 +142,18 @@ def _check_blindness(who: Who, task: Task, known: Observable, truth: TrueState, 
     who.require(same, "truth", "observe() after judge() of another truth", "the same bits", "others")
 
 
-def _truth(simulation: Simulation) -> TrueState:
-    numbers = simulation.replicas
-    pose, twist, touching = simulation.true_pose, simulation.true_twist, simulation.touching
-    return TrueState(pose, twist, touching, lambda row: simulation.map_of(numbers[row]))
-
-
 def _hall() -> Scenario:
+    """A robot that sees marks and the floor, somebody who walks and carries a mark, and a line on the floor."""
     walls = [(0, 0, 12, 0), (12, 0, 12, 8), (12, 8, 0, 8), (0, 8, 0, 0), (3, 6.5, 5, 7), (9, 1, 9.5, 3)]
     robot = load_robot("pioneer2dx", name="rover", pose=Pose(x=2.0, y=2.0), controller=Wander())
-    hall = Map.from_segments(np.array(walls, dtype=np.float64), resolution=0.05)
-    return Scenario(map=hall, robots=[attrs.evolve(robot, on_collision="continue")])
+    marks, line = Fiducial(range_max=20.0), Line(elements=(Mount(y=0.02), Mount(y=-0.02)))
+    sensors = {"fiducial": MountedSensor(sensor=marks), "line": MountedSensor(sensor=line, mount=Mount(x=0.2))}
+    walk = Loop(waypoints=((5.0, 3.0), (8.0, 5.0), (5.0, 6.0)))
+    leader = Obstacle(name="leader", shape=Shape.circle(0.2), fiducial=1, motion=walk)
+    marking = Marking(points=((2.0, 2.0), (5.0, 2.0), (5.0, 4.0)), width=0.05)
+    return Scenario(
+        map=Map.from_segments(np.array(walls, dtype=np.float64), resolution=0.05),
+        robots=[attrs.evolve(robot, on_collision="continue", sensors=robot.sensors | sensors)],
+        obstacles=[leader],
+        floor=Floor(markings=[marking]),
+    )

@@ -8,7 +8,8 @@ import attrs
 import numpy as np
 
 from amorsim.contracts import Clock, Context, Controller, Draws, Estimate, RobotModel, State, parameter
-from amorsim.controllers.abilities import command_along, joints_of, twist_limits
+from amorsim.contracts.joints import joints_of
+from amorsim.controllers.abilities import command_along, twist_limits
 
 __all__ = ["Anywhere"]
 

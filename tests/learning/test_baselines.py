@@ -20,7 +20,7 @@ def test_of_free_headings_the_cheapest_leads_to_goals() -> None:
     assert spec.loader is not None
     rule = sys.modules[spec.name] = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(rule)
-    share, touched = rule.reached("amorsim/PointGoal-v0", 100)
+    found = rule.of_rule("amorsim/PointGoal-v0", 100)
     # 92 % of 200; of 100 episodes so few reach it once in a thousand times if 92 % are right.
-    assert share >= 0.83
-    assert touched <= 0.02
+    assert found.success >= 0.83
+    assert found.failure <= 0.02

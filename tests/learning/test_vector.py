@@ -18,7 +18,6 @@ from gymnasium.vector import AutoresetMode  # noqa: E402
 
 import amorsim as am  # noqa: E402
 import amorsim.learning  # noqa: E402
-from amorsim.contracts import TrueState  # noqa: E402
 from amorsim.learning import SimulationVectorEnv, make, make_vec  # noqa: E402
 from amorsim.tasks import PointGoal  # noqa: E402
 from amorsim.tasks.goals import goal_within  # noqa: E402
@@ -164,7 +163,7 @@ def test_goals_are_drawn_as_far_as_asked_and_clear_of_walls() -> None:
 def judged(task: PointGoal, before: float, to: float, touching: bool) -> Any:
     episode = {"goal": np.zeros((1, 2)), "distance": np.array([before])}
     pose = np.array([[to, 0.0, 0.0]])
-    truth = TrueState(pose, np.zeros((1, 3)), np.array([touching]), lambda _: small().map)
+    truth = am.Simulation(small()).truth()._replace(pose=pose, is_touching=np.array([touching]))
     return task.judge(truth, episode)
 
 
@@ -285,7 +284,7 @@ def test_without_gymnasium_it_says_what_to_install(monkeypatch: pytest.MonkeyPat
 
 
 def test_wrong_tasks_are_refused_in_words() -> None:
-    with pytest.raises(ValueError, match=r"no task 'amorsim/PointGaol-v0'.*Did you mean 'amorsim/PointGoal-v0'"):
+    with pytest.raises(ValueError, match=r"no environment 'amorsim/PointGaol-v0'.*Did you mean 'amorsim/PointGoal-v0'"):
         make_vec("amorsim/PointGaol-v0")
     with pytest.raises(am.AmorsimError, match="one robot, got one with 2"):
         make_vec(

@@ -19,7 +19,7 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
 
-from amorsim.learning import make_vec
+from amorsim.learning import evaluate, make_vec
 from amorsim.learning.stable_baselines import StableBaselinesVecEnv
 
 TASK = "amorsim/PointGoal-v0"
@@ -92,23 +92,6 @@ def train(minutes: float, seed: int, envs: int) -> PPO:
     return model.learn(10**9, callback=clock)
 
 
-def test(model: PPO, episodes: int) -> tuple[float, float]:
-    """The shares of episodes that end at the goal, and by touching something."""
-    many = make_vec(TASK, episodes, autoreset_mode="SameStep", threads=2)
-    seen, _ = many.reset(seed=HELD_OUT)
-    over, reached, touched = (np.zeros(episodes, dtype=bool) for _ in range(3))
-    while not over.all():
-        actions, _ = model.predict(seen, deterministic=True)
-        seen, _, terminated, truncated, infos = many.step(actions)
-        new = (terminated | truncated) & ~over
-        if new.any():
-            success = infos["final_info"]["is_success"]
-            reached |= new & success
-            touched |= new & terminated & ~success
-            over |= new
-    return float(reached.mean()), float(touched.mean())
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--minutes", type=float, default=10.0)
@@ -119,8 +102,8 @@ def main() -> None:
     given = parser.parse_args()
     torch.set_num_threads(1)  # the simulation has the other core
     model = train(given.minutes, given.seed, given.envs)
-    reached, touched = test(model, given.episodes)
-    print(f"{given.episodes} episodes: {reached:.1%} reached the goal, {touched:.1%} touched something")
+    many = make_vec(TASK, given.episodes, threads=2)
+    print(evaluate(many, lambda seen: model.predict(seen, deterministic=True)[0], seed=HELD_OUT))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # the newer exporter needs onnxscript
         example = torch.zeros(1, model.observation_space.shape[0])
