@@ -68,6 +68,7 @@ def make_vec(
     threads: int = 1,
     render_mode: str | None = None,
     controller: Controller | None = None,
+    drawn: bool = False,
     **parameters: Any,
 ) -> SimulationVectorEnv:
     """A vector environment: of a task by its name, or of a scenario of your own.
@@ -83,7 +84,7 @@ def make_vec(
     what
         The name of a task, or a scenario: its file, its bundled name or the object. It has one robot, whose
         controller the actions replace.
-    num_envs, autoreset_mode, privileged, dtype, threads, render_mode, controller
+    num_envs, autoreset_mode, privileged, dtype, threads, render_mode, controller, drawn
         As of `SimulationVectorEnv`.
     task
         In place of the scenario's own.
@@ -92,7 +93,7 @@ def make_vec(
     """
     scenario, chosen = _chosen(what, task, parameters)
     given = {"autoreset_mode": autoreset_mode, "privileged": privileged, "dtype": dtype, "threads": threads}
-    given |= {"render_mode": render_mode, "controller": controller}
+    given |= {"render_mode": render_mode, "controller": controller, "drawn": drawn}
     return SimulationVectorEnv(scenario, chosen, num_envs, **given)
 
 

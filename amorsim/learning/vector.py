@@ -17,6 +17,7 @@ from amorsim.controllers.manual import Manual
 from amorsim.core.draws import stream_key
 from amorsim.core.errors import AmorsimError
 from amorsim.learning.pictures import Pictures, goals_in
+from amorsim.scenario.parameter_paths import value_in
 from amorsim.scenario.spec import Scenario
 from amorsim.simulation.simulation import MAX_REPLICA, Simulation
 
@@ -62,6 +63,9 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
         them.
     controller
         That drives in place of the actions, which do nothing then: to see what it reaches, as `evaluate` does.
+    drawn
+        Whether the infos of `reset` have ``"drawn"``: the true values that were drawn for each environment's robot, by
+        their paths, as ``infos["drawn"]["drive.track"]`` `(num_envs,)`.
 
     Raises
     ------
@@ -81,6 +85,7 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
         threads: int = 1,
         render_mode: str | None = None,
         controller: Controller | None = None,
+        drawn: bool = False,
     ) -> None:
         if len(scenario.robots) != 1:
             raise AmorsimError(f"expected a scenario with one robot, got one with {len(scenario.robots)}")
@@ -101,6 +106,8 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
         self._threads = threads
         self._robot_name = scenario.robots[0].name
         self._is_driven = controller is None
+        draws = [path for path, error in scenario.robots[0].errors.items() if error.is_drawn]
+        self._drawn_paths = draws if drawn else []
         driver = Manual() if controller is None else controller
         self._scenario = attrs.evolve(scenario, robots=[attrs.evolve(scenario.robots[0], controller=driver)])
         self._steps_per_action = whole_steps(task.period, scenario.dt, "period")
@@ -164,7 +171,19 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
         self._count[mask] = 0
         self._is_over[mask] = False
         self._action[mask] = 0.0
-        return self._observations(), self._infos(mask)
+        infos = self._infos(mask)
+        if self._drawn_paths:
+            infos |= {"drawn": self._drawn(mask), "_drawn": mask.copy()}
+        return self._observations(), infos
+
+    def _drawn(self, mask: Bools) -> dict[str, Any]:
+        """The true values that were drawn for the robots, and for which environments they are told."""
+        robots = [self.simulation.robot(self._robot_name, number).true for number in self.simulation.replicas]
+        found: dict[str, Any] = {}
+        for path in self._drawn_paths:
+            found[path] = np.array([float(value_in(robot, path.split("."))) for robot in robots])
+            found[f"_{path}"] = mask.copy()
+        return found
 
     def _seeds(self, seed: int | Sequence[int | None]) -> list[int]:
         if isinstance(seed, (int, np.integer)):

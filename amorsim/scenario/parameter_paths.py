@@ -13,7 +13,7 @@ from amorsim.core.parameters import describe
 from amorsim.core.unknown_names import no_such
 from amorsim.scenario.spec import Deviation, MountedSensor, NoiseElement, Pose, Robot
 
-__all__ = ["changed", "index_in", "with_value"]
+__all__ = ["changed", "index_in", "value_in", "with_value"]
 
 Change = Callable[[Any], Any]
 _NUMBERS = ("scale", "add", "value")  # of a deviation
@@ -103,6 +103,18 @@ def changed(thing: Any, path: list[str], change: Change, *, live: bool = False) 
     if value is None and name == "pose":
         value = Pose()
     return attrs.evolve(thing, **{name: _descend(value, rest, change, live)})
+
+
+def value_in(thing: Any, path: list[str]) -> Any:
+    """The value at a path of `changed`."""
+    found: list[Any] = []
+
+    def keep(value: Any) -> Any:
+        found.append(value)
+        return value
+
+    changed(thing, path, keep)
+    return found[0]
 
 
 def _descend(value: Any, rest: list[str], change: Change, live: bool) -> Any:

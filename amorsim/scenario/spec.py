@@ -95,6 +95,11 @@ class Deviation:
             takes = "value takes the place of the nominal one; None is no value"
             raise ParameterError("value", f"expected either value, or scale and add: {takes}")
 
+    @property
+    def is_drawn(self) -> bool:
+        """Whether a part of it is drawn at random."""
+        return any(isinstance(part, Distribution) for part in (self.scale, self.add, self.value))
+
 
 @attrs.frozen(kw_only=True)
 class NoiseElement:

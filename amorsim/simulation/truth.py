@@ -21,11 +21,7 @@ _ROOTS = ("drive", "sensors", "pose")
 
 def has_draws(robot: Robot) -> bool:
     """Whether replicas of this robot differ: some deviation is drawn for each replica."""
-    return any(deviation.per == "replica" and _is_drawn(deviation) for deviation in robot.errors.values())
-
-
-def _is_drawn(deviation: Deviation) -> bool:
-    return any(isinstance(part, Distribution) for part in (deviation.scale, deviation.add, deviation.value))
+    return any(deviation.per == "replica" and deviation.is_drawn for deviation in robot.errors.values())
 
 
 def true_robot(robot: Robot, seed: int, replica: int) -> Robot:
@@ -45,7 +41,7 @@ def true_robot(robot: Robot, seed: int, replica: int) -> Robot:
             true = changed(true, path.split("."), deviate)
         except (ParameterError, LookupError) as error:
             problem = error.problem if isinstance(error, ParameterError) else error.args[0]
-            if isinstance(error, ParameterError) and _is_drawn(deviation):
+            if isinstance(error, ParameterError) and deviation.is_drawn:
                 whom = "this seed" if deviation.per == "study" else f"replica {replica}"
                 problem = f"{problem}, drawn for {whom}; take a narrower distribution"
             faults.append(Fault(file="", path=f"robots.{robot.name}.errors.{path}", message=problem))

@@ -12,7 +12,7 @@ from amorsim.core.map import Map
 from amorsim.core.unknown_names import no_such
 from amorsim.estimators.dead_reckoning import DeadReckoning
 from amorsim.scenario.initial_belief import InitialBelief
-from amorsim.scenario.parameter_paths import changed
+from amorsim.scenario.parameter_paths import value_in
 from amorsim.scenario.spec import Deviation, Pose, Robot, Scenario
 from amorsim.simulation.truth import true_robot
 
@@ -48,14 +48,7 @@ def chosen_robot(scenario: Scenario, name: str | None) -> Robot:
 
 def true_value(robot: Robot, path: str, seed: int) -> float:
     """True value of the number at a path, for the robot of replica 0."""
-    found: list[float] = []
-
-    def look(value: float) -> float:
-        found.append(value)
-        return value
-
-    changed(true_robot(robot, seed, 0), path.split("."), look)
-    return found[0]
+    return float(value_in(true_robot(robot, seed, 0), path.split(".")))
 
 
 def with_settled_errors(robot: Robot, seed: int) -> Robot:

@@ -18,7 +18,7 @@ from gymnasium.vector import AutoresetMode  # noqa: E402
 
 import amorsim as am  # noqa: E402
 import amorsim.learning  # noqa: E402
-from amorsim.learning import SimulationVectorEnv, make, make_vec  # noqa: E402
+from amorsim.learning import SimulationVectorEnv, load_environment, make, make_vec  # noqa: E402
 from amorsim.tasks import PointGoal  # noqa: E402
 from amorsim.tasks.goals import goal_within  # noqa: E402
 from amorsim.testing import check_vector_env  # noqa: E402
@@ -295,3 +295,21 @@ def test_wrong_tasks_are_refused_in_words() -> None:
         make_vec(small(), task=PointGoal(period=0.07))
     with pytest.raises(am.AmorsimError, match="render_mode: expected None or 'rgb_array', got 'human'"):
         make_vec(small(), task=TASK, render_mode="human")
+
+
+def test_what_was_drawn_is_in_the_infos_where_asked() -> None:
+    envs = make_vec("amorsim/PointGoal-v0", 3, drawn=True)
+    _, infos = envs.reset(seed=[7, 2, 9])
+    paths = ["drive.track", "drive.wheel_radius_left"]
+    assert sorted(infos["drawn"]) == sorted(paths + [f"_{path}" for path in paths])
+    assert infos["_drawn"].all()
+    scenario = load_environment("amorsim/PointGoal-v0")
+    for row, seed in enumerate((7, 2, 9)):
+        drive: Any = am.Simulation(scenario, seed=0, replicas=[seed]).robot("rover").true.drive
+        assert infos["drawn"]["drive.track"][row] == drive.track
+        assert infos["drawn"]["drive.wheel_radius_left"][row] == drive.wheel_radius_left
+    assert len(set(infos["drawn"]["drive.track"])) == 3
+    _, infos = envs.reset(options={"reset_mask": np.array([False, True, False])})
+    assert infos["drawn"]["_drive.track"].tolist() == infos["_drawn"].tolist() == [False, True, False]
+    _, infos = make_vec("amorsim/PointGoal-v0", 2).reset(seed=1)
+    assert "drawn" not in infos

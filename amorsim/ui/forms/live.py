@@ -8,7 +8,7 @@ from typing import Any
 import attrs
 
 from amorsim.core.parameters import Parameter, describe
-from amorsim.scenario.parameter_paths import changed
+from amorsim.scenario.parameter_paths import value_in
 from amorsim.scenario.spec import Deviation, Distribution, MountedSensor, NoiseElement, Robot
 from amorsim.simulation.simulation import Simulation
 from amorsim.ui.forms.description import (
@@ -50,14 +50,7 @@ def value_at(robot: Robot, path: str) -> Any:
             return robot.errors.get(".".join(parts[1:]))
         deviation = robot.errors.get(".".join(parts[1:-1]), Deviation())
         return getattr(deviation, parts[-1])
-    found: list[Any] = []
-
-    def keep(value: Any) -> Any:
-        found.append(value)
-        return value
-
-    changed(robot, parts, keep)
-    return found[0]
+    return value_in(robot, parts)
 
 
 @attrs.frozen
