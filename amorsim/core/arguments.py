@@ -60,15 +60,19 @@ def checked(function: F) -> F:
 
 
 def _checked(function: Callable[..., Any], module: str) -> Callable[..., Any]:
-    signature = inspect.signature(function)
+    parameters = inspect.signature(function).parameters
+    in_order = [
+        name for name, one in parameters.items() if one.kind in (one.POSITIONAL_ONLY, one.POSITIONAL_OR_KEYWORD)
+    ]
     kinds: dict[str, Any] = {}
 
     @functools.wraps(function)
     def call(*args: Any, **kwargs: Any) -> Any:
         if not kinds:  # at the first call, for a module may name classes that it imports later
-            kinds.update({name: _kind_of(one, module) for name, one in signature.parameters.items()})
-        for name, value in signature.bind(*args, **kwargs).arguments.items():
-            if not _fits(value, kinds[name]):
+            kinds.update({name: _kind_of(one, module) for name, one in parameters.items()})
+        # What is given too often or not at all the function refuses by itself.
+        for name, value in (*zip(in_order, args, strict=False), *kwargs.items()):
+            if not _fits(value, kinds.get(name, Any)):
                 as_list = f", as [{in_words(value)}]" if isinstance(value, str) and _fits([value], kinds[name]) else ""
                 raise ParameterError(name, f"expected {_in_words(kinds[name])}{as_list}, got {in_words(value)}")
         return function(*args, **kwargs)

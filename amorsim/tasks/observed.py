@@ -26,8 +26,9 @@ def shares_of_range(known: Observable, sensor: str) -> Array:
         return np.empty((len(known.action), 0))
     model = known.robot.sensors[sensor]
     longest = np.asarray(getattr(model.sensor, "range_max")).reshape(-1, 1)  # noqa: B009 - of range sensors alone
-    ranges = known.readings[sensor].measured / longest
-    return np.maximum(np.where(ranges < 1.0, ranges, 1.0), 0.0)
+    shares: Array = known.readings[sensor].measured / longest
+    np.fmin(shares, 1.0, out=shares)  # also where it is nan
+    return np.maximum(shares, 0.0, out=shares)
 
 
 def from_robot(pose: Array, goal: Array) -> Array:
