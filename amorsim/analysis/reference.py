@@ -11,7 +11,7 @@ import attrs
 from amorsim.core.parameters import Parameter, describe
 from amorsim.plugins.registry import Entry, Registry
 
-__all__ = ["manual", "reference_page", "summary_of"]
+__all__ = ["manual", "manual_parts", "reference_page", "summary_of"]
 
 FILES = ("robot", "device", "scenario")  # kinds that are registered as files
 
@@ -35,9 +35,8 @@ def manual(registry: Registry, entry: Entry) -> str:
     if entry.kind in FILES:
         path = registry.file(entry.kind, entry.name)
         return "\n".join([*lines, str(path), "", path.read_text(encoding="utf-8")])
-    cls = registry.get(entry.kind, entry.name)
-    lines += [_text(cls), ""]
-    rows = [_row(parameter) for parameter in _parameters(cls)]
+    text, rows = manual_parts(registry, entry)
+    lines += [text, ""]
     if not rows:
         return "\n".join([*lines, "It has no fields.", ""])
     widths = [max(len(row[column]) for row in rows) for column in range(3)]
@@ -47,16 +46,20 @@ def manual(registry: Registry, entry: Entry) -> str:
     return "\n".join([*lines, ""])
 
 
+def manual_parts(registry: Registry, entry: Entry) -> tuple[str, list[tuple[str, str, str, str]]]:
+    """What a component is, in paragraphs, and of each field its name in files, value, default and meaning."""
+    cls = registry.get(entry.kind, entry.name)
+    return _text(cls), [_row(parameter) for parameter in _parameters(cls)]
+
+
 def reference_page(registry: Registry, entry: Entry) -> str:
     """The same of a component as Markdown."""
-    cls = registry.get(entry.kind, entry.name)
-    lines = [f"### `{entry.name}`", "", _text(cls), ""]
-    parameters = _parameters(cls)
-    if not parameters:
+    text, rows = manual_parts(registry, entry)
+    lines = [f"### `{entry.name}`", "", text, ""]
+    if not rows:
         return "\n".join([*lines, "No fields.", ""])
     lines += ["| field | value | default | meaning |", "|---|---|---|---|"]
-    for parameter in parameters:
-        name, kind, default, help_ = _row(parameter)
+    for name, kind, default, help_ in rows:
         lines.append(f"| `{name}` | {kind} | {default or 'must be given'} | {help_} |")
     return "\n".join([*lines, ""])
 

@@ -1,4 +1,4 @@
-"""The tours of the Simulator and the Editor, in a real Chromium."""
+"""Help in the windows: the tours of the Simulator and the Editor, and manuals of components, in a real Chromium."""
 
 from __future__ import annotations
 
@@ -48,5 +48,22 @@ def test_the_editor_shows_itself(browser: Any, tmp_path: Path) -> None:
     editor = Editor(browser, tmp_path, "demo")
     try:
         assert len(take(editor.page)) == 8
+    finally:
+        editor.close()
+
+
+def test_a_question_mark_opens_the_manual_of_a_component(browser: Any, tmp_path: Path) -> None:
+    editor = Editor(browser, tmp_path, "demo")
+    page = editor.page
+    try:
+        page.get_by_role("button", name="rover").first.click()
+        editor.unfold("robots.0.controller")
+        page.get_by_role("button", name="what wander is, and what its fields are").click()
+        manual = page.get_by_role("dialog", name="controller wander")
+        expect(manual).to_contain_text("Roams for ever: straight on while the way is free")
+        expect(manual.get_by_role("rowheader", name="turn_rate_deg")).to_be_visible()
+        assert axe_violations(page) == []
+        page.keyboard.press("Escape")
+        expect(manual).to_have_count(0)
     finally:
         editor.close()

@@ -20,7 +20,7 @@ from amorsim.plugins.manager import default_registry
 from amorsim.scenario.documents.document import Document
 from amorsim.scenario.programs.code_check import check_code
 from amorsim.scenario.reading.partial import Partial
-from amorsim.ui.editor.cards import card_of
+from amorsim.ui.editor.cards import card_of, manual_of
 from amorsim.ui.editor.looking import CODE_LIMIT, Seen, look, placed
 from amorsim.ui.editor.storage.keeping import picture_of, save_model, write_world
 
@@ -116,6 +116,10 @@ class _Functions:
     def card(self, kind: str, name: str, folder: Path) -> Any:
         """The card of something in a gallery."""
         return card_of(kind, name, folder, self._registry)
+
+    def manual(self, kind: str, name: str) -> Any:
+        """The manual of a component."""
+        return manual_of(kind, name, self._registry)
 
     def square(self, text: str, path: Path, robot: str, **_: Any) -> Any:
         """The effect of a robot's errors on a square."""

@@ -8,7 +8,7 @@ import pytest
 
 import amorsim as am
 from amorsim.plugins.manager import default_registry
-from amorsim.ui.editor.cards import KINDS, card_of, sentence_of
+from amorsim.ui.editor.cards import KINDS, card_of, manual_of, sentence_of
 
 REGISTRY = default_registry()
 EVERYTHING = [
@@ -59,3 +59,13 @@ def test_what_is_not_there_is_refused(kind: str, name: str, tmp_path: Path) -> N
 )
 def test_the_first_sentence_of_a_comment(text: str, sentence: str) -> None:
     assert sentence_of(text) == sentence
+
+
+def test_a_manual_has_what_it_is_and_its_fields_as_in_files() -> None:
+    manual = manual_of("controller", "wander", REGISTRY)
+    assert manual["text"].startswith("Roams for ever")
+    assert ("speed", "a number [m/s], > 0", "0.4", "at which it drives where there is room") in manual["fields"]
+    assert "turn_rate_deg" in [field[0] for field in manual["fields"]]
+    for kind, name in (("controller", "nothing"), ("robot", "pioneer2dx"), ("colour", "red")):
+        with pytest.raises(am.AmorsimError, match="with a manual"):
+            manual_of(kind, name, REGISTRY)

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 __all__ = ["ASKS", "Projects"]
 
 ASKS = (
-    *("difference", "others", "card", "zip", "picture", "preview", "histogram"),
+    *("difference", "others", "card", "manual", "zip", "picture", "preview", "histogram"),
     *("starts", "clearance", "code", "worlds"),
 )
 MOST_LISTED = 200  # files of the project that are listed
@@ -67,6 +67,8 @@ class Projects:
             case {"do": "card", "kind": str(kind), "name": str(name)}:
                 asked = {"kind": kind, "name": name, "folder": work.folder}
                 return {"ok": True, **await asyncio.to_thread(self._bench.ask, "card", **asked)}
+            case {"do": "manual", "kind": str(kind), "name": str(name)}:
+                return {"ok": True, **await asyncio.to_thread(self._bench.ask, "manual", kind=kind, name=name)}
             case {"do": "zip"}:
                 return {"ok": True, "zip": await asyncio.to_thread(self._zip)}
             case {"do": "picture", "kind": "png" | "svg" as kind}:

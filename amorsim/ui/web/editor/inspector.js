@@ -3,6 +3,7 @@
 import { h, say } from "../shared/dom.js";
 import { makeField } from "../shared/fields.js";
 import { shapeOf } from "../shared/nested_fields.js";
+import { manualButton } from "./manual.js";
 import { holdSensor } from "./mounting.js";
 import { drawing, more, reordering } from "./more.js";
 import { reshaping } from "./reshape.js";
@@ -15,6 +16,8 @@ import { reshaping } from "./reshape.js";
  */
 
 const FIRST = ["Controller", "Motion"]; // sections that are open from the beginning
+// Kinds of component that have a manual.
+const MANUALS = ["controller", "drive", "estimator", "map_loader", "motion", "noise", "planner", "sensor", "task", "world_generator"];
 const NONE = "nothing is selected: click a thing on the canvas or in the list";
 const BEGIN = "nothing is here yet: press R and click two corners for four walls; then choose a robot in “add …”, and click where it is to stand";
 const LEAVE_OUT = "remove it here: the model's value or the default holds";
@@ -214,7 +217,8 @@ export class Inspector {
       else await page.edit(`choose ${value} as ${what}`, [{ op: "set", path: `${path}.use`, value }]);
       select.value = use.value;
     });
-    return h("div", { class: "row" }, h("label", { for: id }, "kind"), select);
+    const about = MANUALS.includes(use.kind) && use.value && !use.value.includes(":") ? [manualButton(page, use.kind, use.value)] : [];
+    return h("div", { class: "row" }, h("label", { for: id }, "kind"), select, ...about);
   }
 
   /** A table's text. @param {Section} section */
