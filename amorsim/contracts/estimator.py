@@ -53,8 +53,16 @@ class Estimator(Component, abc.ABC):
 
         For each field with ``refers="estimators"`` that names another estimator of the robot, `readings` also has that
         one's estimate of this step: ``readings["estimators.NAME"].measured`` `(N, 12)` is its pose, followed by its
-        covariance row by row.
+        covariance row by row. It is `fresh` where it is current.
         """
+
+    def is_current(self, readings: Mapping[str, Measurement], state: State) -> npt.NDArray[np.bool_] | None:
+        """Where the last estimate is of its step `(N, 1)`, or None: everywhere.
+
+        It is not where the wheels have turned and their reading was lost: the next one shows how far. By default it is
+        ``state["current"]``, where the estimator keeps that. Asked only where another estimator takes the estimate.
+        """
+        return state.get("current")
 
     def beliefs(self, state: State) -> Beliefs:
         """Its further beliefs after the last update: innovations, verdicts of gates, biases ...; nothing by default.

@@ -100,3 +100,8 @@ class DeadReckoning(Estimator):
         found = reckon(robot.drive, state["pose"], state["covariance"], before, after, self.wheel_variance)
         state["pose"], state["covariance"], state["joints"] = found.pose, found.covariance, after
         return Estimate(found.pose, found.covariance)
+
+    def is_current(self, readings: Mapping[str, Measurement], state: State) -> npt.NDArray[np.bool_]:
+        """Where the last reading of the encoder was not lost, or none has come in yet."""
+        is_read = np.isfinite(readings[self.encoder].measured).all(axis=1, keepdims=True)
+        return np.asarray(is_read | np.isnan(state["joints"]).all(axis=1, keepdims=True))

@@ -57,7 +57,8 @@ class GridMapping(MapArea, Estimator):
     laser
         Name of the sensor of scans.
     estimator
-        Name of the estimator whose poses it takes, such as a ``scan_matching`` or an ``ekf``. Empty: `place`.
+        Name of the estimator whose poses it takes, such as a ``scan_matching`` or an ``ekf``. Empty: `place`. A scan
+        that comes while the estimate is not current, since a reading of the wheels was lost, is not drawn.
     place
         Name of the sensor of x, y and heading, a ``gps`` with ``heading``. Empty: the wheels. Scans are drawn at places
         that are of their time, or older by `age_max`; those without one, where it is lost, are not drawn.
@@ -151,8 +152,10 @@ class GridMapping(MapArea, Estimator):
         """The pose, after this step's scan is in the map."""
         fresh = check_fresh("grid_mapping", robot, self.laser, readings[self.laser], self.age_max)
         if self.estimator:
-            given = readings[ESTIMATES + self.estimator].measured
-            state["pose"], state["covariance"] = given[:, :3].copy(), given[:, 3:].reshape(-1, 3, 3).copy()
+            given = readings[ESTIMATES + self.estimator]
+            state["pose"] = given.measured[:, :3].copy()
+            state["covariance"] = given.measured[:, 3:].reshape(-1, 3, 3).copy()
+            fresh = fresh & given.fresh  # no scan is laid at a place that the wheels have not told yet
         elif self.place:
             fresh = fresh & self._look_up(robot, readings[self.place], fresh, state)
         else:

@@ -148,7 +148,11 @@ class Estimators:
     def _given(self, fed_by: Sequence[str], copies: Mapping[str, Measurement]) -> dict[str, Measurement]:
         """The readings, and the estimates that feed an estimator."""
         now = self._row_clock
-        return {**copies, **estimate_readings(fed_by, self.estimates, now.tick, now.always)}
+
+        def is_current(name: str) -> npt.NDArray[np.bool_] | None:
+            return self._estimators[name].is_current(copies, self.states[name])
+
+        return {**copies, **estimate_readings(fed_by, self.estimates, now.tick, now.always, is_current)}
 
     def _take(self, name: str, rows: int, estimate: Any) -> None:
         """Take what an estimator's `update` returned."""

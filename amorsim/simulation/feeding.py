@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -73,11 +73,17 @@ def estimate_readings(
     estimates: Mapping[str, Estimate],
     tick: npt.NDArray[np.int64],
     fresh: npt.NDArray[np.bool_],
+    is_current: Callable[[str], npt.NDArray[np.bool_] | None] = lambda _: None,
 ) -> dict[str, Measurement]:
-    """Estimates of this `tick` `(N, 1)` as readings ``"estimators.NAME"``: pose and covariance, `(N, 12)`."""
+    """Estimates of this `tick` `(N, 1)` as readings ``"estimators.NAME"``: pose and covariance, `(N, 12)`.
+
+    They are `fresh` where they are current.
+    """
     found = {}
     for name in names:
         pose, covariance = estimates[name]
         measured = np.concatenate((pose, covariance.reshape(-1, 9)), axis=1)
-        found[ESTIMATES + name] = Measurement(measured, tick.copy(), np.zeros(tick.shape), fresh.copy())
+        current = is_current(name)
+        new = fresh.copy() if current is None else fresh & current
+        found[ESTIMATES + name] = Measurement(measured, tick.copy(), np.zeros(tick.shape), new)
     return found

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import amorsim as am
-from amorsim.estimators import GridMapping
+from amorsim.estimators import DeadReckoning, Ekf, GridMapping
 from amorsim.estimators.map_area import log_odds_evidence
 from amorsim.kernels.mapping import occupancy
 from amorsim.kernels.mapping.scan_cells import Area, window_for
@@ -129,11 +129,14 @@ def test_it_keeps_the_contract_at_the_poses_of_another_estimator():
     check_component(mapper(estimator="slam"))
 
 
-def driven(*estimators, duration=6.0, replicas=1, **tracked):
+def driven(*estimators, duration=6.0, replicas=1, lost=0.0, **tracked):
     """A simulation of a robot that roams about the room, whose wheels are off and whose tracking system is exact.
 
-    `tracked` are fields of that system.
+    `tracked` are fields of that system; readings of the wheels are `lost` with that probability.
     """
+    counted = building.encoder()
+    if lost:
+        counted = am.MountedSensor(sensor=counted, noise=(am.noise.Dropout(probability=lost),))
     world = am.Map.from_segments(WALLS, resolution=0.01)
     off = {"drive.wheel_radius_left": am.Deviation(scale=1.05), "drive.track": am.Deviation(scale=1.2)}
     robot = building.robot(
@@ -142,7 +145,7 @@ def driven(*estimators, duration=6.0, replicas=1, **tracked):
         sensors={
             "laser": am.MountedSensor(sensor=Laser(beams=91), mount=am.Mount(x=0.1, y=0.02, heading=0.3)),
             "gps": am.MountedSensor(sensor=Gps(heading=True), mount=am.Mount(x=-0.1, heading=-0.2), **tracked),
-            "encoder": building.encoder(),
+            "encoder": counted,
         },
         estimators={f"map{i}": one for i, one in enumerate(estimators)},
         errors=off,
@@ -189,6 +192,22 @@ def test_a_map_at_the_poses_of_another_estimator_is_the_one_that_this_would_draw
     for mine, its in zip(frame.estimates["map0"], frame.estimates["map1"], strict=True):
         np.testing.assert_array_equal(mine, its)
     assert (frame.estimates["map0"].covariance.any()) == (of == "wheels")
+
+
+@pytest.mark.parametrize("of", ["mapper", "dead_reckoning", "ekf"])
+def test_no_scan_is_laid_at_a_place_that_the_wheels_have_not_told_yet(of):
+    source = {
+        "mapper": mapper(wheel_variance=1e-5),
+        "dead_reckoning": DeadReckoning(wheel_variance=1e-5),
+        "ekf": Ekf(wheel_variance=1e-5),
+    }[of]
+    frame = driven(mapper(estimator="map1"), source, mapper(wheel_variance=1e-5), lost=0.3).frames()[0]
+    fed, drawn = (np.isnan(frame.beliefs[name]["occupancy"]) for name in ("map0", "map2"))
+    assert (fed == drawn).mean() > 0.999  # the same scans; an EKF's poses have other last bits
+    if of != "ekf":
+        assert frame.beliefs["map0"]["occupancy"].tobytes() == frame.beliefs["map2"]["occupancy"].tobytes()
+    every = driven(mapper(estimator="map1"), source, mapper(wheel_variance=1e-5)).frames()[0]
+    assert (np.isnan(every.beliefs["map0"]["occupancy"]) == fed).mean() < 0.999  # many are left out
 
 
 def test_a_runner_runs_the_estimator_that_feeds_it_too():
