@@ -13,7 +13,16 @@ if importlib.util.find_spec("gymnasium") is None:
     raise AmorsimError('environments for learners need the extra "learn": python -m pip install "amorsim[learn]"')
 
 from amorsim.learning.evaluation import Evaluation, evaluate
-from amorsim.learning.registration import TASKS, load_environment, make, make_parallel, make_vec, register_all
+from amorsim.learning.many_worlds import SimulationParallelVectorEnv
+from amorsim.learning.registration import (
+    TASKS,
+    load_environment,
+    make,
+    make_parallel,
+    make_parallel_vec,
+    make_vec,
+    register_all,
+)
 from amorsim.learning.single import SimulationEnv
 from amorsim.learning.vector import SimulationVectorEnv
 
@@ -21,11 +30,13 @@ __all__ = [
     "TASKS",
     "Evaluation",
     "SimulationEnv",
+    "SimulationParallelVectorEnv",
     "SimulationVectorEnv",
     "evaluate",
     "load_environment",
     "make",
     "make_parallel",
+    "make_parallel_vec",
     "make_vec",
 ]
 

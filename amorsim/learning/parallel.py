@@ -4,20 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
-import attrs
-import gymnasium as gym
 import numpy as np
 import numpy.typing as npt
 from pettingzoo import ParallelEnv
 
-from amorsim.contracts import Draws, Observable, State, Task
-from amorsim.controllers.manual import Manual
-from amorsim.core.draws import stream_key
+from amorsim.contracts import Task
 from amorsim.core.errors import AmorsimError
 from amorsim.learning.pictures import Pictures, goals_in
-from amorsim.learning.vector import RENDER_MODES, SIZE, STUDY, whole_steps
+from amorsim.learning.vector import RENDER_MODES, SIZE
+from amorsim.learning.worlds import Worlds
 from amorsim.scenario.spec import Scenario
-from amorsim.simulation.handle import Known
 from amorsim.simulation.simulation import MAX_REPLICA, Simulation
 
 __all__ = ["SimulationParallelEnv"]
@@ -60,25 +56,19 @@ class SimulationParallelEnv(ParallelEnv):  # type: ignore[misc]
             "render_fps": round(1.0 / task.period),
             "is_parallelizable": True,
         }
-        hand = Manual()
-        robots = [attrs.evolve(robot, controller=hand) for robot in scenario.robots]
-        self._scenario = attrs.evolve(scenario, robots=robots)
-        self._steps_per_action = whole_steps(task.period, scenario.dt, "period")
-        self._horizon = whole_steps(task.horizon, task.period, "horizon")
-        self._dtype = np.dtype(dtype)
+        self._worlds = Worlds(scenario, task, 1, dtype)
         self._random = np.random.default_rng()
         self._pictures: Pictures | None = None
-        self._begin_first(0)  # for the spaces
-        self._is_begun = False
-        self.possible_agents = list(self.simulation.names)
+        self._is_begun, self._count = False, 0
+        self.possible_agents = list(self._worlds.agents)
         self.agents: list[str] = []
-        low, high = (bound.astype(self._dtype) for bound in task.action_bounds)
-        seen_low, seen_high = (bound.astype(self._dtype) for bound in task.bounds(self._known.robot))
-        kind = self._dtype.type
-        self.action_spaces = {name: gym.spaces.Box(low, high, dtype=kind) for name in self.possible_agents}
-        self.observation_spaces = {
-            name: gym.spaces.Box(seen_low, seen_high, dtype=kind) for name in self.possible_agents
-        }
+        self.action_spaces = dict.fromkeys(self.possible_agents, self._worlds.action_space)
+        self.observation_spaces = dict.fromkeys(self.possible_agents, self._worlds.observation_space)
+
+    @property
+    def simulation(self) -> Simulation:
+        """The simulation, of one replica."""
+        return self._worlds.simulation
 
     def action_space(self, agent: str) -> Any:
         """The space of an agent's actions."""
@@ -98,16 +88,12 @@ class SimulationParallelEnv(ParallelEnv):  # type: ignore[misc]
         ValueError
             If the seed is no whole number from 0 to 2^32 - 2.
         """
-        if seed is not None:
-            if not isinstance(seed, (int, np.integer)) or not 0 <= seed <= MAX_REPLICA:
-                raise ValueError(f"seed: expected a whole number from 0 to {MAX_REPLICA}, got {seed!r}")
-            self._begin_first(int(seed))
-        elif self._is_begun:
-            self.simulation.reset(replicas=list(self.simulation.replicas))
-            self._begin_task()
+        if seed is None and self._is_begun:
+            self._worlds.begin_again(np.array([True]))
         else:
-            self._begin_first(int(self._random.integers(MAX_REPLICA + 1)))
-        self._is_begun = True
+            self._worlds.begin([int(self._random.integers(MAX_REPLICA + 1)) if seed is None else seed])
+            self._pictures = None
+        self._is_begun, self._count = True, 0
         self.agents = list(self.possible_agents)
         return self._observations(), {agent: {} for agent in self.agents}
 
@@ -123,13 +109,10 @@ class SimulationParallelEnv(ParallelEnv):  # type: ignore[misc]
         """
         if not self.agents:
             return {}, {}, {}, {}, {}
-        self._take(actions)
-        for _ in range(self._steps_per_action):
-            self.simulation.step()
-        outcome = self.task.judge(self.simulation.truth(self._order), self._episode)
+        outcome = self._worlds.act(*self._taken(actions))
         self._count += 1
-        acted = {agent: self._row[agent] for agent in self.agents}
-        is_late = self._count >= self._horizon
+        acted = {agent: self.possible_agents.index(agent) for agent in self.agents}
+        is_late = self._count >= self._worlds.horizon
         terminated = {agent: bool(outcome.is_terminated[row]) for agent, row in acted.items()}
         truncated = {agent: is_late and not terminated[agent] for agent in acted}
         infos = {
@@ -142,7 +125,7 @@ class SimulationParallelEnv(ParallelEnv):  # type: ignore[misc]
 
     def state(self) -> npt.NDArray[Any]:
         """The true quantities of all robots, for a critic: `Task.privileged` `(agents * p,)`."""
-        return self.task.privileged(self.simulation.truth(self._order), self._episode).astype(self._dtype).ravel()
+        return self._worlds.privileged().ravel()
 
     def render(self) -> npt.NDArray[np.uint8] | None:
         """A picture `(height, width, 3)`; None without a ``render_mode``."""
@@ -150,50 +133,23 @@ class SimulationParallelEnv(ParallelEnv):  # type: ignore[misc]
             return None
         if self._pictures is None:
             self._pictures = Pictures(self.simulation, SIZE)
-        return self._pictures.draw(0, goals_in(self._episode, slice(None)))
+        return self._pictures.draw(0, goals_in(self._worlds.episode, slice(None)))
 
-    # -------------------------------------------------------------------------------------------------------- inside
-
-    def _begin_first(self, seed: int) -> None:
-        self.simulation = Simulation(self._scenario, seed=STUDY, replicas=[seed])
-        self._pictures = None
-        names = self.simulation.names
-        self._known_names = list(self.simulation.frames()[0].names)
-        if sorted(self._known_names) != sorted(names):
-            raise AmorsimError(f"expected robots that are alike, got others: {', '.join(names)}")
-        self._row = {name: row for row, name in enumerate(self._known_names)}
-        self._order = [names.index(name) for name in self._known_names]
-        self._begin_task()
-
-    def _begin_task(self) -> None:
-        count = len(self._known_names)
-        self._action = np.zeros((count, len(self.task.action_bounds[0])))
-        self._count = 0
-        counter = np.zeros((count, 3), dtype=np.uint32)
-        counter[:, 0] = self.simulation.replicas[0]
-        counter[:, 1] = self.simulation.episodes[0]
-        counter[:, 2] = self._order
-        draws = Draws(np.full(count, stream_key(STUDY, "task"), dtype=np.uint64), counter)
-        self._episode: State = self.task.begin(self.simulation.truth(self._order), draws)
-
-    @property
-    def _known(self) -> Known:
-        return self.simulation.known(self._known_names)
-
-    def _take(self, actions: dict[str, Any]) -> None:
-        low, high = self.task.action_bounds
-        self._action[:] = 0.0
+    def _taken(self, actions: dict[str, Any]) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.bool_]]:
+        """The actions `(1, A, a)`, and who acts `(1, A)`."""
+        worlds = self._worlds
+        taken = np.zeros((1, len(worlds.agents), len(worlds.low)))
+        is_on = np.zeros((1, len(worlds.agents)), dtype=bool)
         for agent in self.agents:
-            taken = np.asarray(actions.get(agent), dtype=float)
-            if taken.shape != low.shape or not np.isfinite(taken).all():
-                raise ValueError(f"actions: {agent}: expected finite numbers {low.shape}, got {actions.get(agent)!r}")
-            self._action[self._row[agent]] = np.clip(taken, low, high)
-        forward, turn, left = self.task.velocities(self._action)
-        for name, row in self._row.items():
-            is_on = name in self.agents
-            ask = (float(part[row]) if is_on else 0.0 for part in (forward, turn, left))
-            self.simulation.drive(name, **dict(zip(("forward", "turn", "left"), ask, strict=True)))
+            one = np.asarray(actions.get(agent), dtype=float)
+            if one.shape != worlds.low.shape or not np.isfinite(one).all():
+                raise ValueError(
+                    f"actions: {agent}: expected finite numbers {worlds.low.shape}, got {actions.get(agent)!r}"
+                )
+            column = worlds.agents.index(agent)
+            taken[0, column], is_on[0, column] = one, True
+        return taken, is_on
 
     def _observations(self) -> dict[str, Any]:
-        seen = self.task.observe(Observable(*self._known, self._action), self._episode).astype(self._dtype)
-        return {agent: seen[self._row[agent]].copy() for agent in self.agents}
+        seen = self._worlds.observe()[0]
+        return {agent: seen[self.possible_agents.index(agent)].copy() for agent in self.agents}

@@ -13,6 +13,7 @@ import gymnasium as gym
 from amorsim.contracts import Controller, Task
 from amorsim.core.errors import AmorsimError
 from amorsim.core.unknown_names import no_such
+from amorsim.learning.many_worlds import SimulationParallelVectorEnv
 from amorsim.learning.single import SimulationEnv
 from amorsim.learning.vector import SimulationVectorEnv
 from amorsim.scenario.reading.read import load
@@ -21,7 +22,7 @@ from amorsim.scenario.spec import Scenario
 if TYPE_CHECKING:
     from amorsim.learning.parallel import SimulationParallelEnv
 
-__all__ = ["TASKS", "load_environment", "make", "make_parallel", "make_vec", "register_all"]
+__all__ = ["TASKS", "load_environment", "make", "make_parallel", "make_parallel_vec", "make_vec", "register_all"]
 
 _SCENARIOS = Path(__file__).parent / "scenarios"
 
@@ -120,6 +121,8 @@ def make_parallel(
 ) -> SimulationParallelEnv:
     """The robots of one world as PettingZoo's agents; as `make`, of a scenario whose robots are alike.
 
+    `make_parallel_vec` makes many such worlds.
+
     ::
 
         env = make_parallel("amorsim/Crossing-v0")
@@ -138,6 +141,26 @@ def make_parallel(
     from amorsim.learning.parallel import SimulationParallelEnv
 
     return SimulationParallelEnv(*_chosen(what, task, parameters), dtype=dtype, render_mode=render_mode)
+
+
+def make_parallel_vec(
+    what: str | os.PathLike[str] | Scenario,
+    num_worlds: int = 1,
+    *,
+    task: Task | None = None,
+    dtype: str = "float32",
+    threads: int = 1,
+    **parameters: Any,
+) -> SimulationParallelVectorEnv:
+    """Many worlds of robots that are alike, all in one simulation; as `make_parallel`, with an axis for the worlds.
+
+    ::
+
+        worlds = make_parallel_vec("amorsim/Crossing-v0", 100)
+        seen, infos = worlds.reset(seed=1)          # seen["r0"] is (100, 186)
+        seen, rewards, terminations, truncations, infos = worlds.step(actions)
+    """
+    return SimulationParallelVectorEnv(*_chosen(what, task, parameters), num_worlds, dtype=dtype, threads=threads)
 
 
 def load_environment(name: str) -> Scenario:

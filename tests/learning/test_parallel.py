@@ -16,7 +16,7 @@ pytest.importorskip("pettingzoo", reason="the extra 'learn' is not installed")
 from pettingzoo.test import parallel_api_test, parallel_seed_test
 
 import amorsim as am
-from amorsim.learning import make, make_parallel
+from amorsim.learning import make, make_parallel, make_parallel_vec
 from amorsim.tasks import PointGoal
 from tests import building
 from tests.learning.test_vector import small
@@ -119,3 +119,65 @@ def test_without_pettingzoo_it_says_what_to_install(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
     with pytest.raises(am.AmorsimError, match="amorsim\\[learn\\]"):
         make_parallel("amorsim/Crossing-v0")
+
+
+# ---------------------------------------------------------------------------------------------------------- many worlds
+
+
+def actions_for(world: int, step: int, agents: list[str]) -> dict[str, Any]:
+    """Some actions that depend on the world, the step and the agent alone."""
+    return {agent: np.array([0.8, np.sin(0.7 * world + 0.2 * step + n)]) for n, agent in enumerate(agents)}
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_each_of_many_worlds_has_the_bits_of_a_world_alone(threads: int) -> None:
+    many = make_parallel_vec(crowd(3), 5, task=TASK, dtype="float64", threads=threads)
+    singles = [env(3, dtype="float64") for _ in range(5)]
+    agents = many.possible_agents
+    seen, _ = many.reset(seed=4)
+    alone = [single.reset(seed=4 + world)[0] for world, single in enumerate(singles)]
+    begun_again = 0
+    for step in range(60):
+        for world, single in enumerate(singles):
+            for agent in single.agents:
+                assert seen[agent][world].tobytes() == alone[world][agent].tobytes()
+        over = [not single.agents for single in singles]
+        taken = {agent: np.zeros((5, 2)) for agent in agents}
+        for world in range(5):
+            for agent, action in actions_for(world, step, agents).items():
+                taken[agent][world] = action
+        seen, rewards, terminated, truncated, infos = many.step(taken)
+        for world, single in enumerate(singles):
+            if over[world]:
+                alone[world] = single.reset()[0]
+                begun_again += 1
+                assert not any(infos[agent]["active"][world] or rewards[agent][world] for agent in agents)
+                continue
+            acting = list(single.agents)
+            found = single.step({agent: taken[agent][world] for agent in acting})
+            alone[world] = found[0]
+            for agent in agents:
+                assert infos[agent]["active"][world] == (agent in acting)
+                wanted = [part[agent] for part in found[1:4]] if agent in acting else [0.0, False, False]
+                assert [part[agent][world] for part in (rewards, terminated, truncated)] == wanted
+                assert infos[agent]["is_success"][world] == found[4].get(agent, {}).get("is_success", False)
+        assert [bool(on.any()) for on in many.active] == [bool(single.agents) for single in singles]
+    assert begun_again > 5
+
+
+def test_many_worlds_refuse_what_is_wrong_in_words() -> None:
+    many = make_parallel_vec(crowd(2), 3, task=TASK)
+    with pytest.raises(ValueError, match="expected reset"):
+        many.step({})
+    seen, infos = many.reset(seed=[7, 1, 9])
+    assert seen["r0"].shape == (3, *many.single_observation_space.shape)
+    assert many.simulation.replicas == (7, 1, 9)
+    assert not infos["r1"]["is_success"].any()
+    assert many.state().shape == (3, 12)
+    with pytest.raises(ValueError, match=r"actions: r1: expected finite numbers \(3, 2\)"):
+        many.step({"r0": np.zeros((3, 2)), "r1": np.zeros((2, 2))})
+    with pytest.raises(ValueError, match="expected 3 different whole numbers"):
+        many.reset(seed=[1, 1, 2])
+    others = building.scenario(crowd(1).robots[0], building.robot(name="other"))
+    with pytest.raises(am.AmorsimError, match="alike"):
+        make_parallel_vec(others, 2, task=TASK)

@@ -1,0 +1,138 @@
+"""Worlds of several robots that learn: all in one simulation, a row for each robot of each world."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import attrs
+import gymnasium as gym
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Draws, Observable, State, StepOutcome, Task
+from amorsim.controllers.manual import Manual
+from amorsim.core.draws import stream_key
+from amorsim.core.errors import AmorsimError
+from amorsim.learning.vector import STUDY, whole_steps
+from amorsim.scenario.spec import Scenario
+from amorsim.simulation.simulation import MAX_REPLICA, Simulation
+
+__all__ = ["Worlds"]
+
+Array = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
+Ints = npt.NDArray[np.int64]
+
+
+class Worlds:
+    """The replicas of a scenario whose robots are alike, and the task of each robot.
+
+    Parameters
+    ----------
+    scenario, task
+        As of `SimulationParallelEnv`.
+    dtype
+        Of observations and actions.
+    threads
+        That share the simulation's work.
+
+    Attributes
+    ----------
+    agents
+        The robots' names, in the order of a world's columns.
+
+    Raises
+    ------
+    AmorsimError
+        If the robots are not alike, or a period is no whole number of the scenario's steps.
+    """
+
+    def __init__(self, scenario: Scenario, task: Task, count: int, dtype: str, threads: int = 1) -> None:
+        self.task, self.count, self.dtype = task, count, np.dtype(dtype)
+        robots = [attrs.evolve(robot, controller=Manual()) for robot in scenario.robots]
+        self._scenario, self._threads = attrs.evolve(scenario, robots=robots), threads
+        self._steps_per_action = whole_steps(task.period, scenario.dt, "period")
+        self.horizon = whole_steps(task.horizon, task.period, "horizon")
+        self.low, self.high = task.action_bounds
+        self.begin(range(count))
+        self.agents = list(self.simulation.names)
+        robot = self.simulation.known(self._known_names).robot
+        kind = self.dtype.type
+        low, high = (bound.astype(kind) for bound in task.bounds(robot))
+        self.action_space = gym.spaces.Box(self.low.astype(kind), self.high.astype(kind), dtype=kind)
+        self.observation_space = gym.spaces.Box(low, high, dtype=kind)
+
+    def begin(self, seeds: Sequence[int]) -> None:
+        """Begin the first episodes of these seeds.
+
+        Raises
+        ------
+        ValueError
+            If they are not so many different whole numbers from 0 to 2^32 - 2.
+        """
+        are_fine = all(isinstance(one, (int, np.integer)) and 0 <= one <= MAX_REPLICA for one in seeds)
+        if not are_fine or len(set(seeds)) != self.count:
+            raise ValueError(
+                f"seed: expected {self.count} different whole numbers from 0 to {MAX_REPLICA}, got {list(seeds)!r}"
+            )
+        numbers = [int(one) for one in seeds]
+        self.simulation = Simulation(self._scenario, seed=STUDY, replicas=numbers, threads=self._threads)
+        names, frames = self.simulation.names, self.simulation.frames()
+        self._known_names = list(frames[0].names)
+        if len(frames) > 1 or len(self._known_names) != len(names) * self.count:
+            raise AmorsimError(f"expected robots that are alike, got others: {', '.join(names)}")
+        world = {number: place for place, number in enumerate(numbers)}
+        place = [world[int(number)] * len(names) for number in frames[0].replica]
+        # Where each row of what robots know is in the order of worlds and names, which all arrays here have, and back.
+        self._of_known = np.array(place) + [names.index(name) for name in self._known_names]
+        self._known_of = np.argsort(self._of_known)
+        self._action = np.zeros((self.count, len(names), len(self.low)))
+        self._begin_task(np.arange(self.count))
+
+    def begin_again(self, which: Bools) -> None:
+        """Begin the next episodes of some worlds `(W,)`."""
+        numbers, worlds = self.simulation.replicas, np.flatnonzero(which)
+        self.simulation.reset(replicas=[numbers[world] for world in worlds.tolist()])
+        self._begin_task(worlds)
+
+    def _begin_task(self, worlds: Ints) -> None:
+        robots = len(self.simulation.names)
+        rows = (worlds[:, None] * robots + np.arange(robots)).reshape(-1)
+        counter = np.zeros((len(rows), 3), dtype=np.uint32)
+        counter[:, 0] = np.array(self.simulation.replicas, dtype=np.uint32)[rows // robots]
+        counter[:, 1] = self.simulation.episodes[rows // robots]
+        counter[:, 2] = rows % robots
+        draws = Draws(np.full(len(rows), stream_key(STUDY, "task"), dtype=np.uint64), counter)
+        begun = self.task.begin(self.simulation.truth(rows.tolist()), draws)
+        if len(worlds) == self.count:
+            self.episode: State = begun
+        else:
+            for name, array in begun.items():
+                self.episode[name][rows] = array
+        self._action[worlds] = 0.0
+
+    def act(self, actions: Array, is_on: Bools) -> StepOutcome:
+        """Take actions `(W, A, a)`, of those that are on `(W, A)`; the others stand. The outcome, `(W * A,)`."""
+        self._action = np.where(is_on[:, :, None], np.clip(actions, self.low, self.high), 0.0)
+        flat = self._action.reshape(-1, len(self.low))
+        parts = [np.where(is_on, part.reshape(is_on.shape), 0.0) for part in self.task.velocities(flat)]
+        for column, name in enumerate(self.agents):
+            forward, turn, left = (part[:, column] for part in parts)
+            self.simulation.drive(name, forward=forward, turn=turn, left=left)
+        for _ in range(self._steps_per_action):
+            self.simulation.step()
+        return self.task.judge(self.simulation.truth(), self.episode)
+
+    def observe(self) -> npt.NDArray[Any]:
+        """The observations `(W, A, k)`, arrays of their own."""
+        known = self.simulation.known(self._known_names)
+        of_known, flat = self._of_known, self._action.reshape(-1, len(self.low))
+        episode = {name: array[of_known] for name, array in self.episode.items()}
+        seen = self.task.observe(Observable(*known, flat[of_known]), episode).astype(self.dtype)
+        return seen[self._known_of].reshape(self.count, len(self.simulation.names), -1)
+
+    def privileged(self) -> npt.NDArray[Any]:
+        """True quantities for a critic `(W, A, p)`."""
+        found = self.task.privileged(self.simulation.truth(), self.episode).astype(self.dtype)
+        return found.reshape(self.count, len(self.simulation.names), -1)
