@@ -7,7 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Draws, Observable, RobotModel, State, StepOutcome, Task, TrueState, parameter
-from amorsim.tasks.observed import beams_of, shares_of_range
+from amorsim.core.errors import ComponentError
+from amorsim.tasks.observed import beams_of, sensor_of, shares_of_range
 
 __all__ = ["FollowLeader"]
 
@@ -54,12 +55,19 @@ class FollowLeader(Task):
 
     def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
         """Seen or not, share of the range, cosine and sine of the bearing, the last action, ranges from 0 to 1."""
-        beams = beams_of(robot, self.sensor)
+        finder = sensor_of("follow_leader", robot, self.finder, "fiducial")
+        if list(finder.columns() or ()) != ["range", "bearing", "id"]:
+            raise ComponentError(
+                f"follow_leader: finder: a {type(finder).__name__} does not tell range, bearing and identity of marks; "
+                "a 'fiducial' does"
+            )
+        beams = beams_of("follow_leader", robot, self.sensor)
         low = np.concatenate(([0.0, 0.0, -1.0, -1.0, -1.0, -1.0], np.zeros(beams)))
         return low, np.ones(6 + beams)
 
     def begin(self, truth: TrueState, draws: Draws) -> State:
         """Nothing is drawn; the leader is where the scenario has it."""
+        truth.pose_of(self.leader)  # refuses a name that there is not
         return {}
 
     def observe(self, known: Observable, episode: State) -> Array:

@@ -7,7 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Draws, Observable, RobotModel, State, StepOutcome, Task, TrueState, parameter
-from amorsim.tasks.observed import beams_of
+from amorsim.core.errors import ComponentError
+from amorsim.tasks.observed import sensor_of
 
 __all__ = ["FollowLine"]
 
@@ -43,11 +44,17 @@ class FollowLine(Task):
 
     def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
         """Reflectances from 0 to 1, and the last action."""
-        elements = beams_of(robot, self.sensor)
+        sensor_of("follow_line", robot, self.sensor, "line")
+        elements = robot.sensors[self.sensor].size
         return np.concatenate((np.zeros(elements), [-1.0, -1.0])), np.ones(elements + 2)
 
     def begin(self, truth: TrueState, draws: Draws) -> State:
         """Where along the line the robot begins [m], and how far it has come."""
+        if self.line >= len(truth.lines):
+            raise ComponentError(
+                f"follow_line: line: expected one of the {len(truth.lines)} lines on the floor, from 0, "
+                f"got {self.line}; a line is one of [[floor.markings]] with points"
+            )
         _, along = _place_on(truth.lines[self.line], truth.pose[:, :2])
         return {"along": along, "way": np.zeros(len(along))}
 

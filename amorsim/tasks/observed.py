@@ -2,19 +2,49 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Observable, RobotModel
+from amorsim.core.errors import ComponentError, did_you_mean
 
-__all__ = ["beams_of", "from_robot", "shares_of_range"]
+__all__ = ["beams_of", "from_robot", "sensor_of", "shares_of_range"]
 
 Array = npt.NDArray[np.float64]
 
 
-def beams_of(robot: RobotModel, sensor: str) -> int:
-    """How many ranges a range sensor measures; 0 without one."""
-    return robot.sensors[sensor].size if sensor else 0
+def sensor_of(who: str, robot: RobotModel, name: str, kind: str) -> Any:
+    """A sensor of the robot that a task observes; `kind` is a component that would do.
+
+    Raises
+    ------
+    ComponentError
+        If the robot has no sensor of that name.
+    """
+    if name not in robot.sensors:
+        has = ", ".join(map(repr, robot.sensors)) or "none"
+        raise ComponentError(
+            f"{who} observes the sensor {name!r}, which the robot does not have; its sensors: {has}."
+            f"{did_you_mean(name, robot.sensors)} Give it a {kind!r}, or name another one"
+        )
+    return robot.sensors[name].sensor
+
+
+def beams_of(who: str, robot: RobotModel, sensor: str) -> int:
+    """How many ranges a range sensor measures; 0 without one.
+
+    Raises
+    ------
+    ComponentError
+        If the robot has no sensor of that name, or it is not a range sensor.
+    """
+    if not sensor:
+        return 0
+    if not hasattr(sensor_of(who, robot, sensor, "laser"), "range_max"):
+        raise ComponentError(f"{who} observes the ranges of {sensor!r}, which has none; name a range sensor")
+    return robot.sensors[sensor].size
 
 
 def shares_of_range(known: Observable, sensor: str) -> Array:

@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Draws, Observable, RobotModel, State, StepOutcome, Task, TrueState, parameter
 from amorsim.contracts.joints import joints_of
+from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import ParameterError
 from amorsim.core.poses import compose
 from amorsim.kernels import elementary
@@ -75,12 +76,14 @@ class Park(Task):
 
     def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
         """Ahead and left [m], cosine and sine of the heading, of the hitch, the last action, ranges from 0 to 1."""
-        beams = beams_of(robot, self.sensor)
+        beams = beams_of("park", robot, self.sensor)
         goal = [_FARTHEST, _FARTHEST, 1.0, 1.0, *([1.0, 1.0] if self.towed else []), 1.0, 1.0]
         return np.concatenate((-np.array(goal), np.zeros(beams))), np.concatenate((goal, np.ones(beams)))
 
     def begin(self, truth: TrueState, draws: Draws) -> State:
         """The bay, drawn among those given."""
+        if self.towed and truth.part_pose.shape[1] == 0:
+            raise ComponentError("park: towed: the robot has no trailer; the drive 'tractor' has one")
         uniform = draws.uniform(1)[:, 0]
         chosen = np.minimum((uniform * len(self.goals)).astype(np.int64), len(self.goals) - 1)
         goal = self._bays[chosen]

@@ -9,7 +9,7 @@ import numpy.typing as npt
 from amorsim.contracts import Draws, Observable, RobotModel, State, StepOutcome, Task, TrueState, parameter
 from amorsim.kernels import elementary
 from amorsim.tasks.goals import goal_within
-from amorsim.tasks.observed import shares_of_range
+from amorsim.tasks.observed import beams_of, shares_of_range
 
 __all__ = ["PointGoal"]
 
@@ -57,7 +57,7 @@ class PointGoal(Task):
 
     def bounds(self, robot: RobotModel) -> tuple[Array, Array]:
         """Distance [m], cosine and sine of the bearing, the last action, ranges from 0 to 1."""
-        beams = robot.sensors[self.sensor].size
+        beams = beams_of("point_goal", robot, self.sensor)
         low = np.concatenate(([0.0, -1.0, -1.0, -1.0, -1.0], np.zeros(beams)))
         return low, np.concatenate(([self._farthest, 1.0, 1.0, 1.0, 1.0], np.ones(beams)))
 

@@ -230,3 +230,31 @@ def test_an_evaluation_is_of_first_episodes_in_either_mode() -> None:
     assert "20 episodes" in str(next_step)
     with pytest.raises(ValueError, match="got Disabled"):
         evaluate(make_vec("amorsim/PointGoal-v0", 2, autoreset_mode="Disabled"), ahead)
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "words"),
+    [
+        (
+            "Follow",
+            {"finder": "fiducials"},
+            "'fiducials', which the robot does not have.*Did you mean 'fiducial'",
+        ),
+        ("Follow", {"finder": "laser"}, "a Laser does not tell range, bearing and identity"),
+        ("Follow", {"leader": "giude"}, r"no robot or obstacle 'giude'.*Did you mean 'guide'"),
+        ("PointGoal", {"sensor": "lasr"}, "sensor 'lasr', which the robot does not have.*Did you mean 'laser'"),
+        ("PointGoal", {"sensor": "encoder"}, "observes the ranges of 'encoder', which has none"),
+        ("Line", {"line": 3}, "expected one of the 1 lines on the floor, from 0, got 3"),
+        ("Line", {"sensor": "tape"}, "sensor 'tape', which the robot does not have"),
+        ("Dock", {"towed": True}, "towed: the robot has no trailer"),
+    ],
+)
+def test_what_a_task_cannot_do_is_said(name: str, changes: dict[str, Any], words: str) -> None:
+    with pytest.raises(am.AmorsimError, match=words):
+        make_vec(f"amorsim/{name}-v0", 2, **changes)
+
+
+def test_without_a_range_sensor_a_task_does_without_ranges() -> None:
+    envs = make_vec("amorsim/Follow-v0", 2, sensor="")
+    seen, _ = envs.reset(seed=1)
+    assert seen.shape == (2, 6)
