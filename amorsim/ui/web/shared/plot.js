@@ -106,7 +106,7 @@ export class Plot {
       {
         width,
         height,
-        padding: [8, 12, 0, 0],
+        padding: [8, 14 * large, 0, 0],
         legend: { show: false },
         cursor: {
           y: false,
