@@ -13,7 +13,7 @@ import argparse
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.learning import Evaluation, evaluate, make_vec
+from amorsim.learning import Evaluation, evaluate, make_parallel_vec, make_vec
 
 Array = npt.NDArray[np.float32]
 
@@ -49,8 +49,26 @@ def of_rule(name: str, count: int) -> Evaluation:
     return evaluate(make_vec(name, count, threads=2), act)
 
 
+def of_rule_among_others(worlds: int) -> tuple[float, float]:
+    """The shares of the agents of Crossing that arrive, and that touch something, in the first episodes of worlds."""
+    many = make_parallel_vec("amorsim/Crossing-v0", worlds, threads=2)
+    seen, _ = many.reset(seed=0)
+    done, failed = (np.zeros((worlds, len(many.possible_agents)), dtype=bool) for _ in range(2))
+    over = np.zeros(worlds, dtype=bool)
+    while not over.all():
+        seen, _, terminated, _, infos = many.step({agent: act(seen[agent]) for agent in seen})
+        for column, agent in enumerate(many.possible_agents):
+            success = infos[agent]["is_success"]
+            done[:, column] |= success & ~over
+            failed[:, column] |= terminated[agent] & ~success & ~over
+        over |= ~many.active.any(axis=1)
+    return float(done.mean()), float(failed.mean())
+
+
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description="What a classical rule reaches in the environments for learners.")
     parser.add_argument("--envs", type=int, default=200)
     for each in TASKS:
         print(f"{each}: {of_rule(each, parser.parse_args().envs)}")
+    arrived, touched = of_rule_among_others(25)
+    print(f"amorsim/Crossing-v0: 200 agents: {arrived:.1%} done, {touched:.1%} failed")
