@@ -1,4 +1,4 @@
-"""Methods of the field as plain mathematics over arrays: nothing here knows of a simulation or of a file of a run."""
+"""Methods of the field as mathematics over arrays, independent of simulations and files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The cells that a footprint may be in: what planners on cells search."""
+"""The cells in which a footprint may be, which planners on cells search."""
 
 from __future__ import annotations
 
@@ -193,7 +193,7 @@ def _flat(free: npt.NDArray[np.bool_]) -> npt.NDArray[np.uint8]:
 
 
 def _rounded_up(side: float) -> float:
-    """A side with two digits, not below what was given."""
+    """A side of two digits, not smaller than the given one."""
     unit = 10.0 ** (math.floor(math.log10(side)) - 1)
     return round(math.ceil(side / unit) * unit, 12)
 

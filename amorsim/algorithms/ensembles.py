@@ -1,4 +1,4 @@
-"""Many replicas at each time: their mean, their spread, and how sure the mean is."""
+"""Many replicas over time: their mean, their spread, and the interval of the mean."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The interval of a mean, and its p-value: one computation for everything that prints an interval."""
+"""The interval of a mean, and its p-value: one computation for all that prints an interval."""
 
 from __future__ import annotations
 

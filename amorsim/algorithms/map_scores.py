@@ -157,7 +157,7 @@ def distances_to_walls(points: Array, walls: Array) -> Array:
 
 
 def _distances(cells: npt.NDArray[np.bool_], to: npt.NDArray[np.bool_], resolution: float) -> Array:
-    """From the middle of each of some cells to that of the nearest of others [m]; inf if there is none."""
+    """From the middle of each of some cells to the nearest middle of others [m]; inf if there are none."""
     if not to.any():
         return np.full(int(np.count_nonzero(cells)), np.inf)
     from scipy.ndimage import distance_transform_edt

@@ -1,4 +1,4 @@
-"""Asking a planner, whose answer is checked: a plugin's may be anything."""
+"""Calls of a planner whose answer is checked, since a plugin's may be anything."""
 
 from __future__ import annotations
 

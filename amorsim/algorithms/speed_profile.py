@@ -81,7 +81,7 @@ def pieces_of(path: ArrayLike) -> Pieces:
 
 @attrs.frozen(kw_only=True, eq=False)
 class SpeedProfile:
-    """When a robot comes to each pose of a path, when it goes on, and how fast it is there."""
+    """The times at which a robot reaches and leaves each pose of a path, and its speed there."""
 
     arrive: Array
     """(M,) [s]."""
@@ -152,7 +152,7 @@ def speed_profile(
 
 
 def _caps(pieces: Pieces, limits: Array) -> Array:
-    """The fastest speed (M,) at each pose, by the pieces before and after it alone."""
+    """The top speed (M,) at each pose by the adjacent pieces alone."""
     caps = np.zeros(len(limits) + 1)
     if len(limits) > 1:
         caps[1:-1] = np.minimum(limits[:-1], limits[1:])

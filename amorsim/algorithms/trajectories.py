@@ -104,7 +104,7 @@ def first_pose_transform(poses: Array, onto: Array) -> Transform:
 
 
 def associate(times: Array, others: Array, most: float) -> tuple[Ints, Ints]:
-    """Which of two increasing series of times [s] belong together: for each of the shorter, the nearest of the other.
+    """Pairs of two increasing series of times [s]: for each time of the shorter one the nearest of the other.
 
     Pairs that are more than `most` [s] apart are left out. Of two that are equally near, the earlier is taken.
     """

@@ -94,7 +94,7 @@ def _figures(alpha: float, beta: float, side: float, track: float) -> Figures:
 
 
 def systematic_error(clockwise: Array, anticlockwise: Array) -> float:
-    """E_max,syst [m]: how far the farther of the two clusters' centres lies from the origin."""
+    """E_max,syst [m]: the distance of the farther one of the two clusters' centres from the origin."""
     return max(math.hypot(*np.mean(points, axis=0).tolist()) for points in (clockwise, anticlockwise))
 
 

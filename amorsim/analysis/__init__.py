@@ -1,4 +1,4 @@
-"""Analysis of runs, studies and trajectories: how wrong estimates are, whether they know it, and what may be claimed.
+"""Analysis of runs, studies and trajectories: errors of estimates, their consistency, and what may be claimed.
 
 The names are looked up when first used; only what draws needs matplotlib.
 """

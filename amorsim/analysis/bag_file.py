@@ -93,7 +93,7 @@ def write_bag(files: RunFiles, path: Path, within: Path) -> None:
 
 
 def _put(new: Path, path: Path) -> None:
-    """Move a bag to its place; an earlier bag there is replaced, anything else is not."""
+    """Move a bag to its place; replaces an earlier bag there and nothing else."""
     if path.is_symlink():
         path.unlink()
     if path.exists():

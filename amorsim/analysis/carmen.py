@@ -109,7 +109,7 @@ def read_carmen(path: Path, damaged: Callable[[str], None] | None = None) -> lis
 
 
 def _in_order(messages: Sequence[CarmenMessage], path: Path) -> list[CarmenMessage]:
-    """Messages whose time was set, with times that do not decrease, and odometry without jumps to corrected poses."""
+    """The messages with times that do not decrease, and odometry without jumps to corrected poses."""
     times = np.array([message.time for message in messages])
     is_set = np.abs(times - median_filter(times, size=_AROUND, mode="nearest")) <= _FAR
     is_scan = is_set & np.array([message.ranges is not None for message in messages])
@@ -145,7 +145,7 @@ def _in_order(messages: Sequence[CarmenMessage], path: Path) -> list[CarmenMessa
 
 
 def entries_of_carmen(path: Path, robot: Robot, damaged: Callable[[str], None] | None = None) -> Iterator[LogEntry]:
-    """What a robot with an encoder and a laser would have received: an entry for each time of a message.
+    """What a robot with an encoder and a laser would have received: one entry for each time of a message.
 
     Odometry becomes counts of the robot's encoder: those with which its nominal drive would have moved so.
 
@@ -215,7 +215,7 @@ def _scan(message: CarmenMessage, sensor: Sensor, where: str) -> Array:
 
 
 class _DamageError(Exception):
-    """What is wrong with a line."""
+    """The error for a damaged line."""
 
 
 def _numbers(words: Sequence[str], what: str) -> Array:

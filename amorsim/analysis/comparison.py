@@ -116,7 +116,7 @@ def _between(studies: Sequence[Study], labels: Sequence[str], chosen: Sequence[s
 
 
 def _about(studies: Sequence[Study], metric: str) -> dict[str, str]:
-    """The record of a metric that several studies have; with all estimators, where they judge different ones."""
+    """The record of a metric that several studies share; with all estimators if they judge different ones."""
     estimators = dict.fromkeys(_estimator_of(study, metric) for study in studies)
     return {**studies[0].about["metrics"][metric], "estimator": ", ".join(filter(None, estimators))}
 
@@ -152,7 +152,7 @@ def _along(study: Study, axis: str, chosen: Sequence[str]) -> Comparison:
 
 
 def _within(study: Study, metrics: Sequence[str], estimators: Sequence[str]) -> Comparison:
-    """The estimators of one study, each a system: they got the same readings of the same drives."""
+    """The estimators of one study as systems: they got the same readings of the same drives."""
     columns: dict[str, dict[str, str]] = {}  # by measure and estimator
     for name, about in study.about["metrics"].items():
         measure, estimator = about.get("measure", ""), _estimator_of(study, name)
@@ -192,12 +192,12 @@ def _within(study: Study, metrics: Sequence[str], estimators: Sequence[str]) -> 
 
 
 def _estimator_of(study: Study, metric: str) -> str:
-    """The estimator that a metric of a study judges; empty if none, and in studies of earlier versions."""
+    """The estimator that a metric of a study judges; empty if none, and for studies of earlier versions."""
     return str(study.about["metrics"][metric].get("estimator", ""))
 
 
 def _chosen(studies: Sequence[Study], metrics: Sequence[str], estimators: Sequence[str]) -> list[str]:
-    """The metrics that all studies have, of those that the user names."""
+    """Those metrics named by the user that all studies have."""
     common = [name for name in studies[0].metrics if all(name in study.metrics for study in studies)]
     for name in metrics:
         if name not in common:

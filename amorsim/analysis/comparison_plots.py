@@ -124,5 +124,5 @@ class _Groups:
 
 
 def _in_table(study: Study, axis: str, label: Any) -> Any:
-    """A label as it stands in the table."""
+    """A label as the table has it."""
     return str(label) if study[axis].dtype == object else label

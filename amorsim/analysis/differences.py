@@ -28,7 +28,7 @@ ABOUT = "comparison.json"
 
 @attrs.frozen(kw_only=True)
 class Summary:
-    """One system's values of a metric: how many there are and how many are missing, and their mean and median.
+    """One system's values of a metric: how many, how many are missing, mean and median.
 
     The mean is that of all values, as `amorsim sweep` prints it. `low` and `high` are its 95 % interval
     (`mean_interval`), in which the values of one seed and replica count as one, their mean: they had the same draws.
@@ -140,7 +140,7 @@ class Difference:
 
 
 def metric_of_estimator(metric: str, estimator: str) -> str:
-    """A metric's name with that of the estimator that it judges, unless it has it already."""
+    """A metric's name with that of the estimator that it judges, unless it has that already."""
     return f"{metric} of {estimator}" if estimator and estimator not in metric else metric
 
 

@@ -1,4 +1,4 @@
-"""In which parts the scenarios of two studies differ."""
+"""The differences between the scenarios of two studies."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _MOST = 5
 
 
 def differing_parts(one: Study, other: Study) -> str:
-    """A clause about what differs between two studies whose values are identical; empty if a scenario is not there."""
+    """A clause about what differs between two studies whose values are identical; empty if a scenario is missing."""
     try:
         first, second = (resolved(load(str(study.about["scenario"]))) for study in (one, other))
     except (AmorsimError, KeyError):

@@ -70,7 +70,7 @@ def save_figure(figure: Figure, path: Path, *, dpi: int, within: Path | None = N
 
 
 def tidy(axis: Any) -> None:
-    """No frame where nothing is read off, and a faint grid below everything."""
+    """Remove the frame where nothing is read off, and draw a faint grid below everything."""
     axis.spines[["top", "right"]].set_visible(False)
     axis.grid(**GRID)
     axis.set_axisbelow(True)
@@ -84,7 +84,7 @@ def compare(
     other: tuple[Array, Array],
     style: dict[str, Any],
 ) -> None:
-    """Draw what is true and what is measured or estimated in one panel, and the second less the first below it.
+    """Draw the true and the measured or estimated values in one panel, and their difference below.
 
     `true` and `other` are times [s] and values each; the difference is drawn where both are of one time.
     """
@@ -100,7 +100,7 @@ def compare(
 
 
 def legend(figure: Figure, *axes: Any) -> None:
-    """One legend for the whole figure, below it, of what the panels hold; equal labels once."""
+    """One legend for all panels, below the figure; equal labels appear once."""
     entries: dict[str, Any] = {}
     for axis in axes:
         for handle, label in zip(*axis.get_legend_handles_labels(), strict=True):
@@ -118,7 +118,7 @@ def band(axis: Any, time: Array, low: Array, high: Array, style: dict[str, Any],
 
 
 def draw_ellipse(axis: Any, place: Array, covariance: Array, style: dict[str, Any], **how: Any) -> None:
-    """The ellipse of one standard deviation about a place (2,) [m]; nothing if the covariance (2, 2) has none."""
+    """The ellipse of one standard deviation around a place (2,) [m]; none if the covariance (2, 2) has none."""
     if not np.isfinite(covariance).all() or not np.isfinite(place).all():
         return
     sizes, axes = np.linalg.eigh(covariance)
@@ -131,7 +131,7 @@ def draw_ellipse(axis: Any, place: Array, covariance: Array, style: dict[str, An
 
 
 def unwrapped_gaps(angles: Array) -> Array:
-    """Angles [degrees] in which a line is broken where it would run from one end of the circle to the other."""
+    """Angles [degrees], with nan where a line would run from one end of the circle to the other."""
     broken = angles.copy()
     with np.errstate(invalid="ignore"):
         broken[1:][np.abs(np.diff(angles)) > 180.0] = np.nan

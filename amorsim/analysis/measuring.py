@@ -55,7 +55,7 @@ def measure(run: str | os.PathLike[str] | RunFiles, metric: Metric, *, robot: st
 
 
 def episode_of(files: RunFiles, needs: Sequence[str], *, robot: str | None = None) -> Episode:
-    """The metrics' view of a run; errors as of `measure`."""
+    """The metrics' view of a run; raises as `measure`."""
     robot = files.robots[0] if robot is None else robot
     poses = files.arrays("poses", robot=robot)
     specified = next(each for each in files.scenario.robots if each.name == robot)
@@ -83,7 +83,7 @@ def episode_of(files: RunFiles, needs: Sequence[str], *, robot: str | None = Non
 
 
 class _Worlds(Sequence[Map]):
-    """The maps of a run's replicas, each made whenever it is looked up: most metrics ask for none."""
+    """The maps of a run's replicas, each made when it is looked up: most metrics need none."""
 
     def __init__(self, files: RunFiles) -> None:
         self._files = files
@@ -135,7 +135,7 @@ def _commands(files: RunFiles, robot: Robot) -> Array:
 
 
 def _part_poses(files: RunFiles, robot: Robot) -> Array:
-    """Where a robot's parts were `(S, R, parts, 3)`; up to the last step that all have, of a run that was killed."""
+    """Poses `(S, R, parts, 3)` of a robot's parts; of a run that was killed up to the last step that all have."""
     parts = robot.drive.parts
     if not parts:
         return np.empty((len(files.arrays("poses")["time"]), len(files.replicas), 0, 3))

@@ -1,4 +1,4 @@
-"""The fields that messages of recordings must have to be read, checked before anything is taken from them."""
+"""The fields that messages of recordings must have, checked before anything is read from them."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _NOT_FINITE = ("Infinity", "-Infinity", "NaN")  # as JSON has them
 
 @attrs.frozen
 class _Leaf:
-    """A value that is not a message: whether one fits, and what fits in words."""
+    """A value that is not a message: a test whether one fits, and words for what fits."""
 
     fits: Callable[[Any], bool]
     expected: str

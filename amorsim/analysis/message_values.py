@@ -62,7 +62,7 @@ def holds_pose(kind: str) -> bool:
 
 
 def pose_of(kind: str, content: Any, frame: str | None) -> tuple[Any, Pose] | None:
-    """The part of a message with its stamp, and its pose; None where it has none of that frame."""
+    """The part of a message with its stamp, and its pose; None if it has none of that frame."""
     if kind == "tf2_msgs/TFMessage":
         for each in content.transforms:
             if frame is None or each.child_frame_id == frame:
@@ -132,7 +132,7 @@ def _counts(content: Any, sensor: Encoder, robot: Robot, topic: str) -> Array:
 
 
 def _ranges(kind: str, content: Any, sensor: Sensor, topic: str) -> Array:
-    """The ranges of a scan, in the order of the sensor's own beams: by the angles at which they were measured."""
+    """The ranges of a scan in the order of the sensor's own beams, found by their angles."""
     ranges = np.asarray(content.ranges, dtype=np.float64)
     if kind == "sensor_msgs/LaserScan":
         # Not from angle_max: some drivers give the end of a full circle there, one step past the last beam.

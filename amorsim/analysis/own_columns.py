@@ -1,4 +1,4 @@
-"""A robot's own columns in the tables of a run, whose columns are those of all its robots together."""
+"""The columns of one robot in the tables of a run, which have the columns of all its robots."""
 
 from __future__ import annotations
 

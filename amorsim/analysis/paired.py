@@ -26,7 +26,7 @@ LEVEL = 0.05
 def paired(
     systems: Mapping[str, Mapping[Key, Sequence[float]]], metrics: Mapping[str, Mapping[str, str]]
 ) -> Comparison:
-    """Compare systems by values of metrics, each under a key that pairs it with those of the other systems.
+    """Compare systems by the values of metrics; values with equal keys are pairs.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def paired(
 
 
 def by_draws(values: Array, keys: Sequence[Key]) -> Array:
-    """The mean of the values `(n,)` of each seed and replica, the last two parts of their keys."""
+    """The mean of the values `(n,)` of each pair of seed and replica, the last two parts of their keys."""
     places: dict[Key, int] = {}
     place = np.array([places.setdefault(key[-2:], len(places)) for key in keys], dtype=np.int64)
     if len(places) == len(keys):
@@ -91,7 +91,7 @@ def _summary(label: str, metric: str, about: Mapping[str, str], values: Array, k
 
 
 class _Pairs:
-    """The values of two systems in a metric, those of one seed and replica together."""
+    """The values of two systems in a metric, paired by seed and replica."""
 
     def __init__(
         self,

@@ -118,7 +118,7 @@ def _draw_events(axis: Any, events: Table) -> None:
 
 
 def _place_in(text: str) -> tuple[float, float] | None:
-    """Where a pose, as JSON, is; None if it is none."""
+    """The place in a pose of JSON; None if it is not a pose."""
     try:
         x, y, _ = parse_json(text)
         return float(x), float(y)
@@ -161,12 +161,12 @@ def _draw_map(axis: Any, files: RunFiles, replica: int) -> Array:
 
 
 def _table(files: RunFiles, name: str, replica: Any) -> Table | None:
-    """A table of what not every run has: where obstacles were, or parts."""
+    """A table that not every run has: of obstacles or parts."""
     return files.table(name, replica=replica) if (files.folder / f"{name}.csv").exists() else None
 
 
 def _standing(recorded: Table | None) -> Table | None:
-    """The lines of obstacles that never move, which are where they are in all replicas; once each."""
+    """The lines of obstacles that never move, once each: they are the same in all replicas."""
     if recorded is None:
         return None
     names, kept = recorded["obstacle"], []

@@ -1,4 +1,4 @@
-"""The pictures of a run, drawn from its files: what was true, what was measured, what was estimated."""
+"""The pictures of a run, drawn from its files: true, measured and estimated values."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def plot_run(
     robot: str | None = None,
     replica: int | None = None,
 ) -> list[Path]:
-    """Draw a run's pictures of one robot and return where they lie.
+    """Draw a run's pictures of one robot; returns their paths.
 
     Of one replica ``path``, ``speed``, ``wheels``, ``heading``, ``error``, and ``sensor-<name>`` for each sensor that
     was written; of all replicas together ``path``, ``speed``, ``error`` and ``ends``. Files and titles name the run,
@@ -72,7 +72,7 @@ def plot_run(
 
 
 def pictures_of(files: RunFiles, robot: str, replica: int | None) -> Drawn:
-    """The pictures of a robot in one replica, or in all together: of each, what it is of, and what draws it.
+    """The pictures of a robot in one replica, or in all together: the name of each, and what draws it.
 
     What draws returns None where there is nothing to draw.
     """
@@ -80,7 +80,7 @@ def pictures_of(files: RunFiles, robot: str, replica: int | None) -> Drawn:
 
 
 def unfinished(files: RunFiles) -> str:
-    """That a run did not end, and how far it came, in words; nothing if it did."""
+    """How far a run came that did not end, in words; empty if it ended."""
     status = files.about["status"]
     if status == "finished":
         return ""
@@ -90,7 +90,7 @@ def unfinished(files: RunFiles) -> str:
 
 
 def _of_one(files: RunFiles, name: str, replica: int | None) -> Drawn:
-    """The pictures of one replica: what each is of, and what draws it."""
+    """The pictures of one replica: the name of each, and what draws it."""
     velocities = files.table("velocities", robot=name, replica=replica)
     trace = read_trace(files, name, files.replicas[0] if replica is None else replica)
     drawn: Drawn = {

@@ -52,7 +52,7 @@ class Statistics:
 
     @classmethod
     def of(cls, errors: Array) -> Statistics:
-        """Those of errors `(n,)`; nan if there are none."""
+        """The statistics of errors `(n,)`; nan if there are none."""
         errors = numbers(errors, "errors", ("n",))
         if not len(errors):
             return cls(**dict.fromkeys(("rmse", "mean", "median", "std", "min", "max"), math.nan), count=0)
@@ -300,7 +300,7 @@ def _number(given: object, name: str, expected: str) -> float:
 def _together(
     reference: Trajectory, estimate: Trajectory, most_apart: float | None, interpolate: bool
 ) -> tuple[Array, Array, Array, Array, int]:
-    """True and estimated poses of the same times, these times, the way travelled, and how many have no partner."""
+    """True and estimated poses at equal times, these times, the way travelled, and how many have no partner."""
     check_kind(reference, Trajectory, "reference", _A_TRAJECTORY)
     check_kind(estimate, Trajectory, "estimate", _A_TRAJECTORY)
     if most_apart is None:

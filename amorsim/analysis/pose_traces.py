@@ -19,7 +19,7 @@ Array = npt.NDArray[Any]
 
 @attrs.frozen(kw_only=True)
 class Estimates:
-    """The estimates of one estimator in S steps of N replicas, and how they are drawn."""
+    """The estimates of one estimator in S steps of N replicas, and their style in pictures."""
 
     name: str
     pose: Array  # (S, N, 3) [m, m, rad]
@@ -56,7 +56,7 @@ class Trace:
 
 
 def read_trace(files: RunFiles, robot: str, replica: int | None) -> Trace:
-    """A robot in one replica of a run, or with None in all of them.
+    """The trace of a robot in one replica of a run, or with None in all of them.
 
     Raises
     ------

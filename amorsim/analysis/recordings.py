@@ -260,7 +260,7 @@ def _opened(path: Path) -> Callable[[Path, Wanted], Iterator[_Received]]:
 
 @contextlib.contextmanager
 def _damage(path: Path) -> Iterator[None]:
-    """Turns what goes wrong in a library that reads a file, of many kinds, into an `AnalysisError`."""
+    """A block in which errors of a library that reads a file, of many kinds, become an `AnalysisError`."""
     try:
         yield
     except AmorsimError:

@@ -1,4 +1,4 @@
-"""Known relations between the poses of a log, as experts have published them for data without a true path."""
+"""Known relations between the poses of a log, published by experts for data without a true path."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def read_relations(path: str | os.PathLike[str]) -> Array:
 
 
 def clock_offset(relations: npt.ArrayLike, times: npt.ArrayLike) -> float:
-    """How far the clock of relations (M, 5) is ahead of that of a log, whose scans are at `times` (T,) [s].
+    """How far the clock of relations (M, 5) is ahead of a log's, whose scans are at `times` (T,) [s].
 
     Logs often count from their start, and relations from 1970. It is the difference that most pairs of times have; 0 if
     none is much more frequent than by chance, or several are alike, as with scans at regular times.

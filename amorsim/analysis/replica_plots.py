@@ -37,7 +37,7 @@ def in_words(files: RunFiles, trace: Trace) -> str:
 
 
 def draw_all_errors(trace: Trace) -> Figure:
-    """The errors of all replicas over time: their spread, and what each estimator believes of it."""
+    """The errors of all replicas over time: their spread, and what each estimator takes it for."""
     figure, axes = new_figure(4, height=8.2, ratios=[1.3, 1, 1, 1])
     position, *others = axes
     for estimate in trace.estimates:
@@ -80,7 +80,7 @@ def _of(trace: Trace, estimate: Estimates) -> str:
 
 
 def draw_all_speeds(files: RunFiles, robot: str) -> Figure:
-    """How fast the robot went and turned in all replicas, and what it believed: medians and bands."""
+    """True and estimated speeds and turn rates of all replicas: medians and bands."""
     found = files.arrays("velocities", robot=robot)
     figure, axes = new_figure(2, height=5.5)
     for axis, place, label in ((axes[0], 0, "forward [m/s]"), (axes[1], 2, "turning [rad/s]")):

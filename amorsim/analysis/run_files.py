@@ -212,7 +212,7 @@ class RunFiles:
         return self._by_replica[name]
 
     def _grid(self, name: str, columns: Table, robots: list[str], *, is_of_all: bool) -> Ints:
-        """Which line each step of each row stands in, `(S, N)`; -1 where there is none."""
+        """The line of each step of each row, `(S, N)`; -1 where there is none."""
         places = {robot: i for i, robot in enumerate(robots)}
         known = set(self.robots)
         column = columns["robot"].tolist()
@@ -253,7 +253,7 @@ class RunFiles:
         return f"{robots[robot]!r}{of}"
 
     def _times(self, name: str, columns: Table, lines: Ints) -> npt.NDArray[Any]:
-        """The time of each step `(S,)`, which all rows share."""
+        """The time of each step `(S,)`, shared by all rows."""
         there = lines >= 0
         first = lines[np.arange(len(lines)), np.argmax(there, axis=1)] if len(lines) else lines[:, 0]
         times = columns["time"][first]
@@ -268,7 +268,7 @@ class RunFiles:
 
 
 def belief_arrays(columns: Table, lines: Ints) -> dict[str, npt.NDArray[Any]]:
-    """Beliefs `(S, N, ...)` by name, from the lines `(S, N)`: columns such as ``innovation_0_1`` are of one array."""
+    """Beliefs `(S, N, ...)` by name, from the lines `(S, N)`; columns such as ``innovation_0_1`` make one array."""
     places: dict[str, list[tuple[int, ...]]] = {}
     for key in columns:
         if key not in ("replica", "time", "robot"):

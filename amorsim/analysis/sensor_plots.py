@@ -50,7 +50,7 @@ def draw_sensor(files: RunFiles, robot: str, replica: int | None, name: str) -> 
 
 
 def _values(name: str, unit: str, time: Array, true: Array, measured: Array) -> Figure:
-    """A panel for each of one or two values, and their differences."""
+    """A panel for each of one or two values, and panels of their differences."""
     size = len(true)
     figure, axes = new_figure(2 * size, height=1.6 + 3.2 * size, ratios=[3, 1] * size)
     for i in range(size):
@@ -68,7 +68,7 @@ def _values(name: str, unit: str, time: Array, true: Array, measured: Array) -> 
 
 
 def _columns(columns: Mapping[str, str], time: Array, true: Array, measured: Array) -> Figure:
-    """A panel for each column of a table: what stands in all its lines, as dots; one line alone, as a curve."""
+    """A panel for each column of a table: values of all its lines as dots, of a single line as a curve."""
     lines = len(true) // len(columns)
     figure = Figure(figsize=(9.0, 1.2 + 1.7 * len(columns)), layout="constrained")
     axes: Any = figure.subplots(len(columns), 1, squeeze=False, sharex=True).ravel()

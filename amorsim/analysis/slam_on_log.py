@@ -51,7 +51,7 @@ _MOST_CELLS = 50_000_000
 
 @attrs.frozen(kw_only=True, eq=False)
 class SlamResult:
-    """What an estimator made of a log: where the robot was at each scan, and what it saw.
+    """The result of an estimator on a log: the robot's pose at each scan, and what it saw.
 
     Attributes
     ----------
@@ -234,7 +234,7 @@ def slam(
 
 
 class _Kept:
-    """What is kept of each scan."""
+    """The data kept of each scan."""
 
     def __init__(self) -> None:
         self.times: list[float] = []
@@ -257,7 +257,7 @@ class _Kept:
             self._node_poses.append(self._graph[self._nodes[-1]].copy())
 
     def final(self) -> Sequence[Array]:
-        """The poses as known at the end: each scan stays where it was from its node, which has moved since."""
+        """The poses as known at the end: each scan moves with the node that it was taken from."""
         if self._graph is None:
             return self.poses
         moved = relative(np.array(self._node_poses), np.array(self.poses))

@@ -1,4 +1,4 @@
-"""The pictures of experiments: the end points of UMBmark, and what each error does to odometry and to readings."""
+"""The pictures of experiments: end points of UMBmark, and the effect of each error on odometry and readings."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def _magnification(reference: Array, believed: list[Array]) -> int:
 
 
 def plot_attribution(found: Attribution, path: Path) -> None:
-    """Write the picture of what each error does: estimated paths next to the true one, and shares of the final error.
+    """Draw the effect of each error: estimated paths next to the true one, and shares of the final error.
 
     Raises
     ------
@@ -127,7 +127,7 @@ def plot_attribution(found: Attribution, path: Path) -> None:
 
 
 def plot_readings(found: ReadingAttribution, path: Path) -> None:
-    """Write the picture of what each error does to a sensor's readings: their size by time, and its shares.
+    """Draw the effect of each error on a sensor's readings: its size over time, and its share.
 
     Raises
     ------

@@ -21,7 +21,7 @@ ROOM = 4.0  # times the largest error that a much larger belief is shown
 
 
 def draw_speed(velocities: Table) -> Figure:
-    """How fast the robot went and turned, and what it believed."""
+    """True and estimated speed and turn rate."""
     figure, axes = new_figure(4, height=7.5, ratios=[3, 1, 3, 1])
     time = velocities["time"]
     for row, (key, label) in enumerate((("forward", "forward [m/s]"), ("turn", "turning [rad/s]"))):
@@ -35,7 +35,7 @@ def draw_speed(velocities: Table) -> Figure:
 
 
 def draw_wheels(velocities: Table) -> Figure | None:
-    """The rates of the joints, and those by the encoders; None where there are no joints."""
+    """The true rates of the joints, and those measured by encoders; None if there are no joints."""
     joints = RunFiles.joints(velocities)
     if not joints:
         return None
@@ -51,7 +51,7 @@ def draw_wheels(velocities: Table) -> Figure | None:
 
 
 def draw_heading(trace: Trace) -> Figure:
-    """The true heading and each estimator's, turns counted; below, their errors and what they believe of them."""
+    """True and estimated headings, with turns counted; below, the errors and their estimated deviations."""
     figure, (main, below) = new_figure(2, ratios=[3, 1.4])
     true = np.degrees(np.unwrap(trace.true[:, 0, 2]))
     main.plot(trace.time, true, **TRUE)
@@ -101,7 +101,7 @@ def draw_error(trace: Trace) -> Figure:
 
 
 def fit_errors(axis: Any, *errors: Array, is_signed: bool = True) -> None:
-    """Let the errors fill a panel, also where what is believed of them is very much larger."""
+    """Scale a panel to the errors, also if their estimated deviations are much larger."""
     largest = max((float(np.nanmax(np.abs(each))) for each in errors if np.isfinite(each).any()), default=0.0)
     low, high = axis.get_ylim()
     reach = min(max(abs(low), abs(high)), ROOM * largest) if largest > 0.0 else max(abs(low), abs(high))

@@ -53,7 +53,7 @@ INTERRUPTED = 130  # the exit status after Ctrl-C, as shells have it
 
 
 class _Commands(TyperGroup):
-    """Commands that report where Ctrl-C was answered; typer alone ends without a word, and drops the error's notes."""
+    """Commands that report at which one Ctrl-C came; typer alone ends without a word and drops the error's notes."""
 
     def invoke(self, ctx: Any) -> Any:
         answer_interrupts()
@@ -157,7 +157,7 @@ def main() -> None:
 
 
 def _print_no_more() -> None:
-    """Drop what is printed from here on, and what waits to be printed, which Python would try again at its end."""
+    """Discard all further output, and what is buffered, which Python would try to write at its end."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 

@@ -1,4 +1,4 @@
-"""``amorsim calibrate``: what a gyro, a compass or a range sensor does to its quantity."""
+"""``amorsim calibrate``: the errors of a gyro, a compass or a range sensor."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ Row = tuple[str, str, "Interval"]
 
 
 class What(enum.StrEnum):
-    """What can be calibrated."""
+    """The kinds of sensor that can be calibrated."""
 
     gyro = "gyro"
     compass = "compass"

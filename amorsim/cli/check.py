@@ -31,7 +31,7 @@ def command(
         typer.Option(metavar="SECONDS", help="How long each component in a file of yours may take to be loaded."),
     ] = 10.0,
 ) -> None:
-    """Report all that is wrong with a scenario or a robot's model: file, key, value, and what would be right.
+    """Report all faults of a scenario or a robot's model: file, key, value, and what would be right.
 
     Components in files of your own are loaded in another process, which is ended after the time limit. The exit
     status is 0 if the scenario would run, else 2.

@@ -95,7 +95,7 @@ def _several(
     seeds: str,
     duration: float | None,
 ) -> StudySet:
-    """What a user wants to simulate and compare."""
+    """The scenarios that a user wants to simulate and compare."""
     from amorsim.core.errors import AnalysisError
     from amorsim.runs.scenario_argument import look_up
     from amorsim.sweeps.study_set import StudySet
@@ -125,7 +125,7 @@ def _several(
 
 
 def _simulated(several: StudySet, jobs: int, out: Path | None) -> list[Study]:
-    """A study of each scenario, with the same seeds and replicas; goes on with what was begun before."""
+    """The study of each scenario, with the same seeds and replicas; continues what was begun before."""
     from amorsim.analysis.differences import ABOUT
     from amorsim.core.errors import AnalysisError
 

@@ -24,7 +24,7 @@ def command(
     ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
 ) -> None:
-    """Compile what usual runs, the bundled scenarios, avoiders, generated worlds and planners need, ahead of the first.
+    """Compile ahead what usual runs, bundled scenarios, avoiders, generated worlds and planners need.
 
     It takes two to three minutes, once after installing or updating. What is compiled already is kept. A FILE fits
     machines with the same processor and the same versions of amorsim, numba and Python.

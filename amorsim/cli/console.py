@@ -1,4 +1,4 @@
-"""The output that all commands share, and where it goes."""
+"""The output of all commands, and where it goes."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ def say(text: str) -> None:
 
 
 def complain(text: str) -> None:
-    """A line about what went wrong."""
+    """Print a line about something that went wrong."""
     sys.stderr.write(text + "\n")
     sys.stderr.flush()
 
 
 def compile_once(look: Callable[[], None], quiet: bool = False) -> bool:
-    """Compile what nearly every command needs, if that was not done before, and show how far it is; whether it was due.
+    """Compile what nearly every command needs, with a bar, unless it is compiled; returns whether it was not.
 
     `look` raises what is wrong with the user's words, as far as that is known without compiling. It is called only
     where something is to be compiled; elsewhere the command itself finds it as soon.
@@ -44,7 +44,7 @@ def compile_once(look: Callable[[], None], quiet: bool = False) -> bool:
 
 
 def compile_all(quiet: bool = False, more: bool = False) -> None:
-    """Compile what usual runs need, and show how far it is; see `amorsim.runs.warm`."""
+    """Compile what usual runs need, with a bar; see `amorsim.runs.warm`."""
     from amorsim.runs.warm import compile_kernels
 
     if quiet:
@@ -56,7 +56,7 @@ def compile_all(quiet: bool = False, more: bool = False) -> None:
 
 
 def compile_planners_once(planners: Iterable[Planner], quiet: bool = False) -> None:
-    """Compile what these planners need and was not compiled before, and show how far it is."""
+    """Compile what these planners need, with a bar, unless it is compiled."""
     from amorsim.runs.warm import cold_planners, compile_planner
 
     cold = cold_planners(planners)
@@ -74,7 +74,7 @@ def compile_planners_once(planners: Iterable[Planner], quiet: bool = False) -> N
 
 @contextlib.contextmanager
 def _bar() -> Iterator[Callable[[int, int], None] | None]:
-    """What shows how much is done, and of how much; None where nobody looks."""
+    """A function that shows how much of how much is done; None if nobody looks."""
     if not sys.stdout.isatty():
         yield None
         return

@@ -39,7 +39,7 @@ def command(
     resolution: Resolution = None,
     changes: Changes = None,
 ) -> None:
-    """Write a map in another format, read it back, and print in numbers what is lost.
+    """Write a map in another format, read it back, and print in numbers what was lost.
 
     Options of IN's loader are set as those of a world: --set world.threshold=0.5. A .toml is a scenario on IN's map:
     with the robots that IN has, or else with a Pioneer that wanders. A .world of a scenario has its robots, obstacles
@@ -63,7 +63,7 @@ def command(
 def _write_scenario(
     source: str, target: Path, *, resolution: float | None, changes: Sequence[str], force: bool
 ) -> None:
-    """Write a scenario on the map of a file, read it back, and print what it holds and what was lost."""
+    """Write a scenario on the map of a file, read it back, and print its content and what was lost."""
     from amorsim.core.lost_cells import lost_cells
     from amorsim.core.reading import is_file
     from amorsim.runs.scenario_argument import read_scenario, scenario_document
@@ -84,7 +84,7 @@ def _write_scenario(
 
 
 def _write_stage(source: str, target: Path, *, resolution: float | None, changes: Sequence[str], force: bool) -> None:
-    """Write a scenario as a Stage world, print before what is lost, and read it back."""
+    """Write a scenario as a Stage world, after printing what will be lost, and read it back."""
     import attrs
 
     from amorsim.core.lost_cells import lost_cells
@@ -116,7 +116,7 @@ def _counted(count: int, what: str) -> str:
 
 
 def write_world(world: Map, target: Path, *, force: bool, use: str | None = None, more: str = "") -> None:
-    """Write a map into a file, and print how it is read and what was lost. Raises `MapError` as `write_map` does."""
+    """Write a map into a file, and print how to read it and what was lost. Raises `MapError` as `write_map` does."""
     from amorsim.scenario.files.map_words import lost_in_words, needed_options
     from amorsim.scenario.files.maps import write_map
     from amorsim.scenario.files.write import table_text

@@ -1,4 +1,4 @@
-"""``amorsim explain-errors``: what each error of a robot does to its odometry."""
+"""``amorsim explain-errors``: the effect of each error of a robot on its odometry."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def command(
     seed: Seed = None,
     changes: Changes = None,
 ) -> None:
-    """Show what each error does to odometry, or to a sensor's readings: each alone, and all together.
+    """Show the effect of each error on odometry, or on a sensor's readings: each alone, and all together.
 
     For odometry, the errors are the entries of the robot's errors and the elements of its ground and of its encoder's
     noise. For a sensor, they are the entries of the robot's errors that concern it and the elements of its noise. Each

@@ -33,7 +33,7 @@ Force = Annotated[bool, typer.Option("--force", help="Replace moving pictures th
 
 @attrs.frozen(kw_only=True)
 class Wanted:
-    """The moving pictures that a user wants: the files, and how they are; without a file, none."""
+    """The films that a user wants: their files and settings; none without a file."""
 
     SIZE, RATE = 480, 10.0
 
@@ -50,7 +50,7 @@ class Wanted:
         return {kind: file for kind, file in (("gif", self.gif), ("mp4", self.mp4)) if file is not None}
 
     def settings(self, kind: str) -> dict[str, Any]:
-        """What makes a film of that kind, by the names of the arguments."""
+        """The settings of a film of that kind, by the names of the arguments."""
         return {"size": self.size, "rate": self.rate, "speed": self.speed, "kind": kind}
 
     def check(self) -> None:

@@ -31,7 +31,7 @@ def command(
     jobs: Annotated[int, typer.Option("--jobs", "-j", metavar="N", help="How many processes grade.")] = 1,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
 ) -> None:
-    """Grade controllers or estimators: over seeds and worlds that they do not know, fenced in by bubblewrap.
+    """Grade controllers or estimators, fenced in by bubblewrap, over seeds and worlds that they do not know.
 
     Writes grades.csv for the lecturer and a page for each submission, as each is finished. One that raises, hangs, ends
     its process or needs too much memory has no points in that run, with the reason. The same command goes on with a

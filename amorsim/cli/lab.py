@@ -99,7 +99,7 @@ def check(
 
 
 def _mean(graded: Grade, name: str) -> str:
-    """The mean value of a criterion over the runs that ended; nothing where none did."""
+    """The mean value of a criterion over the runs that ended; empty if none did."""
     values = [case.values[name] for case in graded.cases if name in case.values]
     return f"{math.fsum(values) / len(values):.3g}" if values else "-"
 
@@ -120,7 +120,7 @@ def new(
     folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="New or empty.")],
     source: Annotated[int, typer.Option("--from", metavar="NUMBER", help="The lab that it begins as.")] = 6,
 ) -> None:
-    """Make a lab of your own, which begins as a copy of one that is there, with its solutions."""
+    """Make a lab of your own, which begins as a copy of an existing one with its solutions."""
     from amorsim.labs import find_lab, start_lab
 
     start_lab(find_lab(source), folder, solutions=True)

@@ -113,7 +113,7 @@ def command(
 
 
 def _with_cells(planner: Planner, world: Map) -> Planner:
-    """The planner, on coarse cells if those of the map are very many and no others were asked for."""
+    """The planner, with coarse cells if the map has very many and the user chose none."""
     rows, columns = world.shape
     if getattr(planner, "cell", 0.0) is not None or rows * columns <= _MANY or world.resolution >= _COARSE:
         return planner

@@ -1,4 +1,4 @@
-"""The files of a first plugin: a package with a component of each kind that is asked for, its tests and a scenario."""
+"""The files of a first plugin: a package with a component of each kind asked for, its tests and a scenario."""
 
 from __future__ import annotations
 
@@ -211,7 +211,7 @@ HERE = Path(__file__).resolve().parents[1]
 
 
 def _scenario(components: Sequence[Component]) -> str:
-    """A scenario with all components that a scenario can have."""
+    """A scenario with all the components that a scenario can have."""
     names = {each.kind: each.name for each in components}
     return "\n".join(_tables(names)) + "\n"
 

@@ -1,4 +1,4 @@
-"""How far a study is: a bar in a terminal, else a line now and then."""
+"""The progress of a study: a bar in a terminal, else a line from time to time."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _EVERY = 30.0  # [s] between lines about the progress where there is no terminal
 
 @contextlib.contextmanager
 def study_progress(quiet: bool = False) -> Iterator[Callable[[Progress], None] | None]:
-    """What `sweep` calls to show how far a study is; None where nothing is to be shown."""
+    """The function that `sweep` calls with the progress of a study; None if nothing is to be shown."""
     if quiet:
         yield None
         return
@@ -42,7 +42,7 @@ def study_progress(quiet: bool = False) -> Iterator[Callable[[Progress], None] |
 
 @contextlib.contextmanager
 def case_progress(quiet: bool = False) -> Iterator[Callable[[str, int, int], None] | None]:
-    """What `grade` calls with a line about each case: it is printed, in a terminal above a bar with the time left."""
+    """The function that `grade` calls with a line on each case; in a terminal it prints it above a bar."""
     if quiet or not sys.stdout.isatty():
         yield None if quiet else lambda line, *_: say(line)
         return
@@ -75,7 +75,7 @@ class _Lines:
 
 
 def _words(progress: Progress) -> str:
-    """The time left, and how many have failed."""
+    """The time left, and how many have failed, in words."""
     failed = f", {progress.failed} failed" if progress.failed else ""
     if progress.left is None:
         return failed.removeprefix(", ")

@@ -16,7 +16,7 @@ def command(
     folder: RunFolder,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing; the exit status says it.")] = False,
 ) -> None:
-    """Run a run again, from what its folder holds, and compare all exact results.
+    """Repeat a run from its folder, and compare all exact results.
 
     The exit status is 0 if they are the same to the bit, else 1; then the first difference is named.
     """

@@ -144,7 +144,7 @@ class _PlainProgress:
 
 
 def _all_together(summary: RunSummary, ended: int) -> str:
-    """What all robots did, where there are too many for a line each."""
+    """A summary of all robots, if there are too many for a line each."""
     distance, errors = summary.distance.values(), summary.final_error
     worst = max(errors, key=errors.__getitem__)
     rms = math.sqrt(math.fsum(error**2 for error in errors.values()) / len(errors))
@@ -159,7 +159,7 @@ def _all_together(summary: RunSummary, ended: int) -> str:
 
 
 def _of_all_replicas(simulation: Simulation, names: list[str]) -> Iterator[str]:
-    """What some robots did in all replicas, a line each."""
+    """A line for each of some robots, over all replicas."""
     numbers = simulation.replicas
     apart = (simulation.true_pose - simulation.estimated_pose).reshape(len(numbers), len(simulation.names), 3)
     for name in names:

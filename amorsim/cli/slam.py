@@ -158,7 +158,7 @@ def _graph_slam(robot: Robot) -> str:
 
 
 def _errors(found: SlamResult, known: Any) -> dict[str, PoseErrors]:
-    """The errors of each path in known relations, by its name; none, with a complaint, if no scan is at their times.
+    """The errors of each path in known relations, by its name; none, with a complaint, if no scan has their times.
 
     The relations' clock is put to that of the log.
     """

@@ -1,4 +1,4 @@
-"""The entry point: what Ctrl-C does before a command begins and after it has ended.
+"""The entry point: handles Ctrl-C before a command begins and after it has ended.
 
 Commands answer Ctrl-C themselves. Importing them takes a fifth of a second, in which nothing is begun yet, so Ctrl-C
 then ends the process at once, as it ends a program in C; and likewise while the interpreter ends.

@@ -1,4 +1,4 @@
-"""What the commands that make experiments have in common: the scenario they take, the folder and plots they leave."""
+"""Shared by commands that make experiments: the scenario, the folder and the plots."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["check_out", "claim_folder", "draw", "read_study", "table"]
 
 
 def read_study(name: str, changes: Sequence[str] | None, seed: int | None) -> Scenario:
-    """The scenario that a user means, with another seed if one is given."""
+    """The scenario that a user named, with another seed if one is given."""
     from amorsim.runs.scenario_argument import look_up, read_scenario, with_options
 
     compile_once(lambda: look_up(name, changes=changes or (), seed=seed))
@@ -26,7 +26,7 @@ def read_study(name: str, changes: Sequence[str] | None, seed: int | None) -> Sc
 
 
 def check_out(out: Path | None) -> None:
-    """Raise an error if `claim_folder` could not make the folder, or no file could be written into it; makes nothing.
+    """Raise an error if `claim_folder` could not make the folder, or nothing could be written there; makes nothing.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def check_out(out: Path | None) -> None:
 
 
 def claim_folder(out: Path | None, scenario: Scenario, what: str) -> Path:
-    """The folder of that name, made; without a name ``amorsim-runs/<scenario>-<what>-<number>``.
+    """The folder of that name, made now; without a name ``amorsim-runs/<scenario>-<what>-<number>``.
 
     Raises
     ------
@@ -76,7 +76,7 @@ def _make(folder: Path) -> None:
 
 
 def draw(path: Path, plot: Callable[[Any], None]) -> bool:
-    """Whether a plot could be drawn: `plot` gets the module of plots, which needs matplotlib."""
+    """Draw a plot by `plot`, which is given the module of plots; false if matplotlib is missing."""
     try:
         from amorsim.analysis import study_plots
     except ModuleNotFoundError as error:

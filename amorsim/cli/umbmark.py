@@ -1,4 +1,4 @@
-"""``amorsim umbmark``: the bidirectional square, and the corrected drive that comes of it."""
+"""``amorsim umbmark``: the bidirectional square, and the drive corrected by it."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ def _write(read: Scenario, found: Umbmark, folder: Path) -> None:
 
 
 def _model_text(model: dict[str, Any], found: Umbmark) -> str:
-    """The model as a file of its own: what stands under a robot in a scenario, one level higher."""
+    """The model as a file of its own: the keys under a robot of a scenario, one level higher."""
     from amorsim.scenario.files.models import FORMAT
     from amorsim.scenario.files.write import table_text
 

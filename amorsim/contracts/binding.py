@@ -126,7 +126,7 @@ class EstimatorBinding:
 
 
 def simple_form_first(cls: C, pairs: Mapping[str, str], base: type) -> C:
-    """Let a class whose simple form is newer than what binds it be bound by `base`.
+    """Where a class overrides the simple form but not what binds it, let `base` bind it.
 
     Otherwise a subclass of a bound component that overrides the simple form would be ignored. `pairs` gives the method
     that binds each simple form; the newer of the two stands first in the order in which Python looks methods up.

@@ -84,7 +84,7 @@ class Estimator(Component, abc.ABC):
         return None
 
     def sources(self) -> Sequence[tuple[str, str, str]]:
-        """Its sources: a sensor or another, what that shows of the state, and how far it is trusted.
+        """Its sources of information: what each is, what it shows of the state, and how far it is trusted.
 
         Called on the estimator as specified, before stacking; ``amorsim check`` prints it as a table.
         """

@@ -43,7 +43,7 @@ class ScenarioLoader(abc.ABC):
     @classmethod
     @abc.abstractmethod
     def sniff(cls, head: bytes) -> bool:
-        """Whether a file of one of the extensions that begins with `head` has this format; else it is no scenario."""
+        """Whether a file with one of the extensions, which begins with `head`, has this format."""
 
     @abc.abstractmethod
     def read(self, path: Path) -> ScenarioDocument:

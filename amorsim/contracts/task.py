@@ -69,7 +69,7 @@ class Task(abc.ABC):
         return np.array([-1.0, -1.0]), np.array([1.0, 1.0])
 
     def velocities(self, actions: Array) -> tuple[Array, Array, Array]:
-        """What actions `(N, a)` within the bounds ask for: forward [m/s], turn [rad/s] and left [m/s], each `(N,)`."""
+        """Velocities for actions `(N, a)` within the bounds: forward [m/s], turn [rad/s], left [m/s], each `(N,)`."""
         return self.speed * actions[:, 0], self.turn_rate * actions[:, 1], np.zeros(len(actions))
 
     @abc.abstractmethod
@@ -78,10 +78,10 @@ class Task(abc.ABC):
 
     @abc.abstractmethod
     def begin(self, truth: TrueState, draws: Draws) -> State:
-        """What a task keeps of these rows' new episodes; `draws` are of the environment's seed and the episode."""
+        """The state that the task keeps for new episodes of these rows; `draws` are of environment and episode."""
 
     def episode_for(self, goals: Array) -> State:
-        """What `observe` needs of episodes whose goals `(N, 2)` [m] are given: for a policy that drives in a scenario.
+        """The state that `observe` needs for given goals `(N, 2)` [m], where a policy drives in a scenario.
 
         A task without goals leaves it as it is.
         """

@@ -19,7 +19,7 @@ Beliefs = Mapping[str, npt.NDArray[Any]]
 
 
 class LazyBeliefs(Mapping[str, npt.NDArray[Any]]):
-    """Beliefs some of which are functions, which compute an array when it is looked up: for arrays that few ask for.
+    """Beliefs some of which are functions that compute an array when it is looked up: for large ones, rarely needed.
 
     Only for the step in which it was made: the functions may read the state as it is then.
     """
@@ -42,11 +42,11 @@ class LazyBeliefs(Mapping[str, npt.NDArray[Any]]):
 
 
 class BeliefsByName(Mapping[str, Beliefs]):
-    """The beliefs of those that have any, by name."""
+    """The beliefs of estimators and controllers that have any, by name."""
 
     @abc.abstractmethod
     def some(self, name: str, wanted: Iterable[str]) -> Beliefs:
-        """Some beliefs of one of them; what is not wanted need not be computed."""
+        """The wanted beliefs of one of them; others need not be computed."""
 
 
 class Clock(NamedTuple):

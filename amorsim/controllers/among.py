@@ -1,4 +1,4 @@
-"""Avoiders among robots that know where the others are: from what these send, or from the marks that they carry."""
+"""Avoiders among robots whose places are known: by what these send, or by the marks that they carry."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _WORK = 60  # cost of one decision for a robot, in rays
 
 @attrs.frozen(kw_only=True)
 class Among(Avoider):
-    """The base of avoiders that know where the others are: they choose a velocity, and turn towards it.
+    """The base of avoiders that know where others are: they choose a velocity, and turn towards it.
 
     They know nothing of walls, and of the others what their sensor gives. A `neighbours` sensor gives places,
     velocities and radii. A `fiducial` gives the places of marks; the robot estimates their velocities from one reading
@@ -53,7 +53,7 @@ class Among(Avoider):
 
     @property
     def slowness(self) -> Any:
-        """The time constant [s] with which its twist follows what it wants, a number or `(N, 1)`."""
+        """The time constant [s] with which its twist follows the wanted one, a number or `(N, 1)`."""
         return 0.0
 
     @abc.abstractmethod
@@ -67,7 +67,7 @@ class Among(Avoider):
         """
 
     def start_steering(self, context: Context) -> State:
-        """The robot's account of its twist, and what it knows of the others.
+        """State: the robot's account of its twist, and its knowledge of the others.
 
         Raises
         ------
@@ -113,12 +113,12 @@ class Among(Avoider):
         return twist
 
     def beliefs(self, state: State) -> Beliefs:
-        """The others as the robot knows of them, in its own frame: x, y, vx, vy and radius of each."""
+        """The others as the robot knows them, in its own frame: x, y, vx, vy and radius of each."""
         return {"twist": state["moving"].copy(), "others": state["others"].copy()}
 
 
 class Encounter(NamedTuple):
-    """What robots know of a meeting when they choose a velocity, as in `Among.choose`."""
+    """What robots know of a meeting when they choose a velocity; see `Among.choose`."""
 
     others: Array
     own: Array
@@ -128,17 +128,17 @@ class Encounter(NamedTuple):
 
 @attrs.frozen(kw_only=True)
 class _ByVelocity(Among):
-    """The base of those that choose, of the velocities that the others leave it, the nearest to the one it wants."""
+    """The base of those that choose the velocity nearest to the wanted one among those that the others permit."""
 
     leaves: ClassVar[tuple[str, int]]
     """The name of the belief of what each of the others leaves it, and how many numbers that is."""
 
     @abc.abstractmethod
     def nearest(self, known: Encounter, dt: float, first: int, end: int, left: Array, out: Array) -> None:
-        """The velocities `(N, 2)` of rows `first` to `end`, into `out`, and what the others leave them, into `left`."""
+        """Write the velocities `(N, 2)` of rows `first` to `end` into `out`, and what the others permit into `left`."""
 
     def start_steering(self, context: Context) -> State:
-        """The robot's account of its twist, the others, and room for what they leave it."""
+        """State: the robot's account of its twist, the others, and room for what they permit."""
         state = super().start_steering(context)
         name, numbers = self.leaves
         return {**state, name: np.full((*state["others"].shape[:2], numbers), np.nan)}
@@ -154,7 +154,7 @@ class _ByVelocity(Among):
         return out
 
     def beliefs(self, state: State) -> Beliefs:
-        """The others, and what each leaves the robot."""
+        """The others, and what each of them permits."""
         name = self.leaves[0]
         return {**super().beliefs(state), name: state[name].copy()}
 
@@ -220,7 +220,7 @@ class HumanLike(Among):
         return self.relaxation_time
 
     def start_steering(self, context: Context) -> State:
-        """The robot's account of its twist, the free ways, and the bearing of the target from which they count."""
+        """State: the robot's account of its twist, the free ways, and the bearing of the target."""
         count = 2 * int(1.6 / (2.0 * math.pi / self.directions)) + 1
         return {
             **super().start_steering(context),

@@ -86,7 +86,7 @@ class Avoider(Controller):
         return {**start_sight(context, self.sensor, type(self).__name__.lower()), **start_moving(context)}
 
     def take_path(self, row: int, pose: Array, axle: Array, state: State) -> None:
-        """Take notice of a new path of a robot, which stands at `pose` (3,); the path is in `state`.
+        """Take over a new path, in `state`, of a robot that stands at `pose` (3,).
 
         `axle` (L, 2) [m] is the path of its trailer's axle, without points if the plan is for no trailer.
         """
@@ -96,7 +96,7 @@ class Avoider(Controller):
         return [(f"goals.{i}", x, y) for i, (x, y) in enumerate(self.goals)]
 
     def start(self, context: Context) -> State:
-        """The state of `steer`, and how the drive to the goals goes.
+        """State: that of `steer`, and the progress of the drive to the goals.
 
         Raises
         ------
@@ -201,7 +201,7 @@ def sight_of(
 
 
 def body_of(robot: RobotModel, clearance: Any) -> tuple[Box, Array]:
-    """A rectangle in the frame in which the drive goes ahead, and what is kept around it [m] `(N, 1)`.
+    """A rectangle in the frame of the drive's course, and the distance [m] kept around it `(N, 1)`.
 
     For a disc the rectangle is a point, for other footprints the smallest that holds it, without what is beyond the
     footprint's reach. A body that does not turn with its wheels is taken as the disc that it sweeps.
@@ -220,7 +220,7 @@ def body_of(robot: RobotModel, clearance: Any) -> tuple[Box, Array]:
 def guarded(
     wanted: Array, sight: Sight, age: Array, course: Course, body: tuple[Box, Array], state: State, dt: float
 ) -> Array:
-    """The twists `(N, 3)`: as `wanted` `(N, 2)` where robots can brake from that before what they see; else braking.
+    """The twists `(N, 3)`: `wanted` `(N, 2)` if robots can brake from it before what they see, else braking.
 
     `body` is what `body_of` gives; ``state["limits"]`` and ``state["moving"]`` are those of `start_moving`, and
     ``state["moving"]`` is brought up to the twist.

@@ -27,7 +27,7 @@ class _Bug(Headed):
     range_max: float = parameter(0.5, unit="m", gt=0, help="how far it looks")
 
     def start_steering(self, context: Context) -> State:
-        """As of all that choose a direction, and what a bug remembers."""
+        """State: that of all avoiders that choose a direction, and a bug's memory."""
         rows = context.rows
         return {
             **super().start_steering(context),
@@ -45,7 +45,7 @@ class _Bug(Headed):
         return bearing
 
     def beliefs(self, state: State) -> Beliefs:
-        """Whether it follows a border as well."""
+        """Also whether it follows a border."""
         return {**super().beliefs(state), "follows": state["bug"][:, 4:5] == 1.0}
 
 
@@ -106,7 +106,7 @@ class NearnessDiagram(Headed):
     turn_distance: float = parameter(0.2, unit="m", gt=0, help="distance from which on it turns away from things")
 
     def start_steering(self, context: Context) -> State:
-        """As of all that choose a direction, and the diagram."""
+        """State: that of all avoiders that choose a direction, and the diagram."""
         return {**super().start_steering(context), "histogram": np.zeros((context.rows, self.sectors), dtype=bool)}
 
     def bearing(self, points: Array, room: Array, target: Array, pose: Array, state: State, draws: Draws) -> Array:
@@ -116,5 +116,5 @@ class NearnessDiagram(Headed):
         return bearing
 
     def beliefs(self, state: State) -> Beliefs:
-        """The directions that are blocked as well, the first from behind anticlockwise."""
+        """Also which directions are blocked, the first one behind the robot, anticlockwise."""
         return {**super().beliefs(state), "histogram": state["histogram"].copy()}

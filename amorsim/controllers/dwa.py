@@ -81,7 +81,7 @@ class Dwa(Avoider):
     turn_weight: float = parameter(0.05, unit="m", ge=0, help="cost of the largest change of turning")
 
     def start_steering(self, context: Context) -> State:
-        """The sensor's beams, the drive's limits, what it passed, and room for the arcs."""
+        """State: the sensor's beams, the drive's limits, what it passed, and room for the arcs."""
         behind = np.full((context.rows, _BEHIND, 3), -1e30)
         return {
             **super().start_steering(context),

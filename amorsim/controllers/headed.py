@@ -120,7 +120,7 @@ class VfhPlus(Headed):
     last_weight: float = parameter(2.0, ge=0, help="of the angle from its last choice")
 
     def start_steering(self, context: Context) -> State:
-        """As of all that choose a direction, and the histogram."""
+        """State: that of all avoiders that choose a direction, and the histogram."""
         return {**super().start_steering(context), "histogram": np.zeros((context.rows, self.sectors), dtype=bool)}
 
     def bearing(self, points: Array, room: Array, target: Array, pose: Array, state: State, draws: Draws) -> Array:
@@ -135,7 +135,7 @@ class VfhPlus(Headed):
         return chosen
 
     def beliefs(self, state: State) -> Beliefs:
-        """The histogram as well: which directions are blocked, the first from behind anticlockwise."""
+        """Also the histogram: which directions are blocked, the first one behind the robot, anticlockwise."""
         return {**super().beliefs(state), "histogram": state["histogram"].copy()}
 
 
@@ -160,7 +160,7 @@ class PotentialField(Headed):
     influence_distance: float = parameter(1.0, unit="m", gt=0, help="distance beyond which nothing repels")
 
     def start_steering(self, context: Context) -> State:
-        """As of all that choose a direction, and the force."""
+        """State: that of all avoiders that choose a direction, and the force."""
         return {**super().start_steering(context), "force": np.zeros((context.rows, 2))}
 
     def bearing(self, points: Array, room: Array, target: Array, pose: Array, state: State, draws: Draws) -> Array:
@@ -170,5 +170,5 @@ class PotentialField(Headed):
         return bearing
 
     def beliefs(self, state: State) -> Beliefs:
-        """The force as well, in the robot's frame."""
+        """Also the force, in the robot's frame."""
         return {**super().beliefs(state), "force": state["force"].copy()}

@@ -72,7 +72,7 @@ class Mppi(Avoider):
     cell: float = parameter(0.05, unit="m", gt=0, static=True, help="side of its cells")
 
     def start_steering(self, context: Context) -> State:
-        """The sensor's beams, the drive's limits, a plan to stand, and room for some of the runs."""
+        """State: the sensor's beams, the drive's limits, a plan to stand still, and room for some of the samples."""
         runs = np.zeros((context.rows, min(self.samples, _SHOWN), self.time_steps, 2))
         return {**super().start_steering(context), "plan": np.zeros((context.rows, self.time_steps, 2)), "runs": runs}
 
@@ -122,7 +122,7 @@ class Mppi(Avoider):
 
 
 def _later(plan: Array, steps: float) -> Array:
-    """A plan `(N, T, 2)` as it stands `steps` steps later; its last twist goes on."""
+    """A plan `(N, T, 2)` shifted by `steps` steps; its last twist is repeated."""
     count = plan.shape[1]
     at = np.minimum(np.arange(count) + steps, count - 1)
     low = np.floor(at).astype(np.int64)

@@ -224,7 +224,7 @@ class Navigate(Controller):
         return chosen
 
     def _heading(self, state: State) -> Array:
-        """The heading at the goal that each robot is after `(N, 1)` [rad]; `(N, 0)` if none is given."""
+        """The wanted heading `(N, 1)` [rad] at each robot's present goal; `(N, 0)` if none is given."""
         headings = np.asarray(self.headings, dtype=np.float64)
         if not headings.size:
             return np.empty((len(state["goal"]), 0))
@@ -345,7 +345,7 @@ class Navigate(Controller):
         return found
 
     def beliefs(self, state: State) -> Beliefs:
-        """The path, what was searched for it (nan beyond the end of both), the goal's number, what it does, and more.
+        """The path and what was searched for it (nan beyond their ends), the goal's number, its activity, and more.
 
         That is what its avoider believes. Of more than 1024 places that were searched, it keeps every n-th.
         """

@@ -22,7 +22,7 @@ _SETTLES = 0.3  # [s] time constant of a velocity that is estimated from places
 
 
 def start_others(context: Context, sensor: str, who: str) -> State:
-    """State of the controller `who` that knows of others by a sensor: ``"others"`` `(N, M, 5)`, nan for none.
+    """State of the controller `who` that knows others by a sensor: ``"others"`` `(N, M, 5)`, nan for none.
 
     Raises
     ------
@@ -69,7 +69,7 @@ def know_others(
 
 
 def _sent(robot: RobotModel, reading: Measurement, sensor: str, course: Course) -> Array:
-    """The states that others sent, carried on to the present."""
+    """The states that others sent, extrapolated to the present."""
     others = np.ascontiguousarray(reading.measured.reshape(robot.rows, -1, len(_SENT))[:, :, 1:])
     others[:, :, 0] += others[:, :, 2] * reading.age
     others[:, :, 1] += others[:, :, 3] * reading.age
@@ -83,7 +83,7 @@ def _sent(robot: RobotModel, reading: Measurement, sensor: str, course: Course) 
 
 
 def _mount(robot: RobotModel, sensor: str, course: Course) -> tuple[Array, Array, Array]:
-    """Where a sensor is, x, y [m] and heading [rad], `(N, 1)` each, in the frame in which the drive goes ahead."""
+    """The mount of a sensor, x, y [m] and heading [rad], each `(N, 1)`, in the frame of the drive's course."""
     none = np.zeros((robot.rows, 1))
     mount: Any = robot.sensors[sensor].mount
     x, y, heading = none + mount.x, none + mount.y, none + mount.heading
@@ -137,7 +137,7 @@ def _track(robot: RobotModel, reading: Measurement, sensor: str, course: Course,
 
 
 def _marks_ahead(poses: Array, radius: Array, time: Array, state: State) -> Array:
-    """The marks as they went on since they were seen, in the frame in which the drive goes ahead."""
+    """The marks extrapolated from when they were seen, in the frame of the drive's course."""
     speed = np.where(np.isfinite(state["mark_speed"]), state["mark_speed"], 0.0)
     there = np.isfinite(state["mark_at"][:, :, :1])
     since = np.where(np.isfinite(state["mark_time"]), time - state["mark_time"], 0.0)[:, :, None]

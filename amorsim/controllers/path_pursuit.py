@@ -55,7 +55,7 @@ class _Line(NamedTuple):
         return np.asarray(self.along[0, np.unique(self.stops)])
 
     def come_along(self, other: _Line) -> None:
-        """Come as far as the other line has: in the part that it is in, by the same share of it."""
+        """Advance as far as the other line has: in the same part, by the same share of it."""
         mine, theirs = self.ends, other.ends
         s = float(other.progress[0, 0])
         number = min(int(np.searchsorted(theirs, s, side="right")), len(theirs) - 1)
@@ -242,7 +242,7 @@ class PathPursuit(Avoider):
         return np.array(trailer.twist(v, w / v, min(float(own.turn_rate[row, 0]), float(limits[row, 1]))))
 
     def _keep_pace(self, own_line: _Line, trailer: Trailer | None, row: int, state: State) -> None:
-        """Of the robot's path and that of its trailer's axle, let the one come along that does not lead."""
+        """Of the paths of the robot and of its trailer's axle, advance the one that does not lead."""
         if "axle_path" not in state or state["axle_count"][row] < 2:
             return
         axle = _axle_line(row, state)
@@ -253,7 +253,7 @@ class PathPursuit(Avoider):
 
 
 def _no_axle(rows: int) -> State:
-    """State that holds the path of each trailer's axle: none yet."""
+    """State for the path of each trailer's axle, empty at first."""
     return {
         "axle_path": np.zeros((rows, PLACES, 2)),
         "axle_along": np.zeros((rows, PLACES)),

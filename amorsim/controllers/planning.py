@@ -79,7 +79,7 @@ class Ways(NamedTuple):
     def of(
         cls, robot: RobotModel, planner: Planner, mapper: str, clearance: Array | float, least_clearance: float | None
     ) -> Ways:
-        """For these robots, whose avoiders keep a `clearance` [m], one or `(N, 1)`.
+        """The ways of these robots, whose avoiders keep a `clearance` [m], one or `(N, 1)`.
 
         Without a `least_clearance` [m], paths keep at least half the width of the footprint.
         """
@@ -119,7 +119,7 @@ class Ways(NamedTuple):
         return Answer("found", found[widest][1], searched)
 
     def _known(self, row: int) -> Map | None:
-        """The world as a robot knows it: the map that it was given, or the one that it has made."""
+        """The world as a robot knows it: the map that it was given, or that it has made."""
         if not self.mapper:
             return self.robot.map_of(row)
         if self.mapper not in self.mapped:
@@ -160,7 +160,7 @@ class Ways(NamedTuple):
             raise ControllerError(f"{self.robot.who(row)}: {error}", robot=name) from error.__cause__
 
     def _with_room(self, world: Map, pose: Array, goal: Array, room: float, row: int) -> tuple[Plan | None, Array]:
-        """The plan, None if it was refused, and the points of its path from the robot itself on."""
+        """The plan, or None if it was refused, and the points of its path from the robot on."""
         start = (float(pose[0]), float(pose[1]))
         out = self._way_out(world, start, room)
         footprint = Shape.circle(room) if room > 1e-6 else None
@@ -173,7 +173,7 @@ class Ways(NamedTuple):
         return plan, np.concatenate(([start], plan.points))
 
     def _way_out(self, world: Map, start: tuple[float, float], room: float) -> tuple[float, float]:
-        """The place nearest to the start from which a plan may lead; the start if there is none near."""
+        """The place nearest to the start from which a plan can begin; the start if there is none near."""
         side = getattr(self.planner, "cell", None)
         try:
             cells = free_cells(
@@ -206,7 +206,7 @@ class Ways(NamedTuple):
         since: float,
         new: Cells | None = None,
     ) -> Map:
-        """The map to plan on: what is known, and what was seen since a time; only in free cells of `new`, if given."""
+        """The map to plan on: what is known and what was seen since a time, only in free cells of `new`, if given."""
         size = window.seen.shape[1]
         up, across = np.nonzero(window.seen[row] >= since)
         corner = window.corner[row]
@@ -253,7 +253,7 @@ def _cells_of(world: Map, side: float) -> npt.NDArray[np.uint8]:
 
 
 def no_path(pose: Array) -> State:
-    """State that holds a path for each robot: none yet, so the place where it stands."""
+    """State for a path of each robot, at first the place where it stands."""
     rows = len(pose)
     path = np.zeros((rows, PLACES, 2))
     path[:, 0] = pose[:, :2]
@@ -268,7 +268,7 @@ def no_path(pose: Array) -> State:
 
 
 def keep_searched(places: Array, row: int, state: State) -> None:
-    """Put the places that were searched into the state, in order; of more than it has room for, every n-th."""
+    """Write the searched places into the state, in order; if there are too many for it, every n-th."""
     kept = places[:: max(-(-len(places) // _SEARCHED), 1)]
     state["searched"][row] = np.nan
     state["searched"][row, : len(kept)] = kept

@@ -42,7 +42,7 @@ class Trailer(NamedTuple):
 
     @classmethod
     def column(cls, robot: RobotModel) -> int | None:
-        """The joint that is the hitch of robots whose drive draws a trailer; None for all others."""
+        """The index of the joint that is the hitch, for drives that draw a trailer; None for all others."""
         if getattr(robot.drive, "trailer_length", None) is None:
             return None
         names = [joint.name for joint in robot.drive.joints]
@@ -81,7 +81,7 @@ class Trailer(NamedTuple):
         return _LOOKS * self.length
 
     def speed_max(self, delay: float) -> float:
-        """The fastest [m/s] at which the hitch still settles, if what is wanted of it comes `delay` [s] late."""
+        """The top speed [m/s] at which the hitch still settles, if commands act `delay` [s] late."""
         return _PHASE * _SETTLES * self.length / delay
 
     def twist(self, speed: float, bend: float, turn_rate: float) -> tuple[float, float]:

@@ -144,7 +144,7 @@ class UserController(UserCode, Controller):
         return self.ask_robots(robot, dict(readings), estimate, clock, state).command()
 
     def bind(self, at: ControllerBinding) -> Callable[[], None]:
-        """Call the user's code with copies of the engine's arrays, of what it looks at."""
+        """Call the user's code with copies of those arrays of the engine that it looks at."""
         clock = Clock(tick=at.tick, time=at.time, dt=at.dt)
 
         def command() -> None:
@@ -156,7 +156,7 @@ class UserController(UserCode, Controller):
     def ask_robots(
         self, robot: RobotModel, readings: Mapping[str, Measurement], estimate: Estimate, clock: Clock, state: State
     ) -> _Answers:
-        """The answers of the users' code of all rows, which gets copies that it may keep and change."""
+        """The answers of the users' code for all rows; it is given copies, which it may keep and change."""
         caller = self.asker(state)
         answers = _Answers(robot, self.title, readings)
         poses, covariances = estimate.pose.copy().view(PoseVector), estimate.covariance.copy()
@@ -226,7 +226,7 @@ class _Answers:
         return self._rates
 
     def _of_rows(self, answers: Mapping[int, list[float]], width: int) -> tuple[list[int], Array]:
-        """The rows that gave such answers, and these in an array of all rows, 0 for the others."""
+        """The rows with such answers, and the answers in an array of all rows, 0 for the others."""
         rows, whole = list(answers), np.zeros((self._robot.rows, width))
         whole[rows] = list(answers.values())
         return rows, whole

@@ -145,7 +145,7 @@ class Wander(Controller):
         return command
 
     def _samples(self, robot: RobotModel) -> int:
-        """The number of points that stand for a return of the sensor."""
+        """The number of points for one return of the sensor."""
         return _ARC_SAMPLES if hasattr(robot.sensors[self.sensor].sensor, "half_angle") else 1
 
     def _wish(self) -> wandering.Wish:

@@ -81,7 +81,7 @@ def _checked(function: Callable[..., Any], module: str) -> Callable[..., Any]:
 
 
 def _kind_of(parameter: inspect.Parameter, module: str) -> Any:
-    """The type of a parameter's annotation; anything, where it has none or names something that is not imported."""
+    """The type of a parameter's annotation; anything, if it has none or names something that is not imported."""
     if parameter.annotation is parameter.empty or parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD):
         return Any
     if not isinstance(parameter.annotation, str):
@@ -151,7 +151,7 @@ def is_numeric(value: object) -> bool:
 
 
 def _is_list_of(value: object, kind: Any, *, again: bool) -> bool:
-    """Whether it is a list, or anything else to go through, more than once with `again`; a text is none.
+    """Whether it is a list or another iterable, with `again` one that can be iterated twice; a text is none.
 
     The first elements must be of a kind, unless it can be gone through only once.
     """
@@ -163,7 +163,7 @@ def _is_list_of(value: object, kind: Any, *, again: bool) -> bool:
 
 
 def is_list(value: object) -> TypeGuard[Iterable[Any]]:
-    """Whether it is a list, or anything else to go through, but a text or a table."""
+    """Whether it is a list or another iterable, but not a text or a table."""
     if isinstance(value, np.ndarray):
         return value.ndim > 0
     return isinstance(value, Iterable) and not isinstance(value, (str, bytes, Mapping))
@@ -239,7 +239,7 @@ def check_text(given: object, name: str, expected: str = "a text") -> None:
 
 
 def texts(given: object, name: str, expected: str) -> tuple[str, ...]:
-    """The texts of a list; `expected` is the words for them, in the plural. One text alone is a mistake for a list."""
+    """The texts of a list; `expected` names them, in the plural. A single text is refused as a mistake."""
     if isinstance(given, str):
         raise ParameterError(name, f"expected a list of {expected}, as [{given!r}], got a text")
     if not is_list(given):

@@ -99,7 +99,7 @@ def create_text(path: Path, text: str) -> None:
 
 
 def check_place(path: str | os.PathLike[str], error: type[AmorsimError] = RunError) -> None:
-    """Raise what `replacing` would for a place where no file can be written: before it is long computed."""
+    """Raise what `replacing` would raise if no file can be written at a place: before long computations."""
     path = path_of(path, "path")
     try:
         with new_file(path.name, _target(path, None).parent):
@@ -109,7 +109,7 @@ def check_place(path: str | os.PathLike[str], error: type[AmorsimError] = RunErr
 
 
 def make_folders(folder: Path, within: Path) -> None:
-    """Make `within` and the folders from there down to `folder`, which take the place of links.
+    """Make `within` and the folders from there to `folder`; links among them are replaced.
 
     Raises
     ------

@@ -64,7 +64,7 @@ def _runs(cells: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.int64
 
 
 def _run_lengths(cells: NDArray[np.bool_]) -> NDArray[np.int32]:
-    """For each true cell the length of its run in its row; 0 for others."""
+    """The length of the run in its row for each true cell; 0 for others."""
     _, first, last = _runs(cells)
     lengths = np.zeros(cells.shape, np.int32)
     lengths[cells] = np.repeat(last - first + 1, last - first + 1)

@@ -1,4 +1,4 @@
-"""Reachability: places that walls separate from each other."""
+"""Reachability: places that walls separate."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SQUARES = 10.0  # squares within `room`, unless that makes too many
 
 
 def shut_off(world: Map, room: float, start: Place, places: Sequence[Place]) -> Bools:
-    """Which of some free places `(M,)` a body that keeps `room` [m] to all walls cannot reach from `start`; x, y [m].
+    """Which of some free places `(M,)`, x, y [m], a body that keeps `room` [m] to walls cannot reach from `start`.
 
     True only if it is certain: any path leads through squares that share sides, and all squares wholly within `room`
     of the body are free. False for all places if there would be too many squares.
@@ -43,7 +43,7 @@ def shut_off(world: Map, room: float, start: Place, places: Sequence[Place]) -> 
 
 
 def _with_room(free: Bools, room: float) -> Bools:
-    """The free squares in which a body that needs `room`, in sides of a square, around it may be."""
+    """The free squares in which a body may be that needs `room`, in sides of a square, around it."""
     rows, _ = free.shape
     left = free.copy()
     for up in range(int(room) + 1):

@@ -24,7 +24,7 @@ def contains(shape: Shape, points: Array) -> npt.NDArray[np.bool_]:
 
 
 def share_within(shape: Shape, start: Array, end: Array) -> Array:
-    """The share `(M,)` of each segment from `start` to `end` `(M, 2)` [m] that lies in the shape.
+    """The share `(M,)` of each segment from `start` to `end` `(M, 2)` [m] that is in the shape.
 
     The shape is a circle, or a polygon without rounding, and its convex parts do not overlap; the points are in its
     frame. The share of a segment of length 0 is 1 if it lies in the shape.

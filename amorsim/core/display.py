@@ -1,4 +1,4 @@
-"""How values show themselves in a notebook: a method for their classes, and who makes what it returns."""
+"""How values are shown in a notebook: a method for their classes, and the function that makes its result."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _makers: list[Callable[[Any], dict[str, Any]]] = []
 
 
 def show_by(maker: Callable[[Any], dict[str, Any]]) -> None:
-    """Let a function make what notebooks show of values: content by MIME type.
+    """Set the function that makes what notebooks show of values: content by MIME type.
 
     The package sets it when it is imported. Pictures are drawn by layers above the classes that show them.
     """

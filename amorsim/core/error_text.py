@@ -54,7 +54,7 @@ def in_words(value: Any) -> str:
 
 
 def users_lines(stack: traceback.StackSummary) -> list[str]:
-    """The user's own part of a stack as text, outermost first; empty if there is none."""
+    """The user's own lines of a stack as text, outermost first; empty if there are none."""
     users = [i for i, frame in enumerate(stack) if _is_users(frame.filename)]
     # Calls from amorsim to a library are not the user's; calls from their code are.
     first = next((i for i in users if not _is_librarys(stack[i].filename)), None)

@@ -52,7 +52,7 @@ def out_of_reach(world: Map, x: float, y: float) -> str:
 
 
 def overlap_with_walls(world: Map, x: float, y: float, near: Sequence[float], what: str = "the footprint") -> str:
-    """The message for a footprint, or `what`, at a place where it overlaps an occupied cell at `near`."""
+    """The message for a footprint, or `what`, that overlaps an occupied cell at `near`."""
     beyond = outside(world, x, y)
     if beyond:
         of_part = "" if what == "the footprint" else f", where {what} is,"
@@ -68,7 +68,7 @@ def overlap_with_walls(world: Map, x: float, y: float, near: Sequence[float], wh
 
 
 def overlap_with_others(names: Sequence[str]) -> str:
-    """The message for a body that overlaps others, of which one at least is given: the first and how many more."""
+    """The message for a body that overlaps others: names the first, and how many more."""
     more = f" and {len(names) - 1} more" if len(names) > 1 else ""
     return f"overlaps {names[0]!r}{more}; expected room between them"
 

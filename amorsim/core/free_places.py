@@ -94,7 +94,7 @@ def _nothing_free(world: Map, side: float) -> str:
 
 
 def _looks(world: Map) -> Iterator[tuple[NDArray[np.bool_], float]]:
-    """Coarse views of the squares known to be free, and their side [m], finer each time."""
+    """Coarse views of the squares known to be free, with their sides [m], each finer than the one before."""
     longest = max(world.size)
     for pieces in (256, 1024, 4096):
         # A little more than 1/pieces, so that rounding makes no piece more.

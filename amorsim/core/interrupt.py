@@ -86,7 +86,7 @@ class Interrupt:
                     signal.raise_signal(signal.SIGINT)
 
     def _users_stack(self, frame: FrameType | None) -> list[str]:
-        """The lines of the user's code that the run is in; none where it is in code of amorsim, or compiles."""
+        """The lines of the user's code that is running; none if amorsim's own code runs or compiles."""
         stack = traceback.StackSummary()
         while frame is not None and frame is not self._within:
             summary = traceback.FrameSummary(frame.f_code.co_filename, frame.f_lineno, frame.f_code.co_name)

@@ -1,4 +1,4 @@
-"""JSON that others may have written: read with bounds, and the tables in it checked key by key."""
+"""JSON files that other programs may have written: read with limits, and checked key by key."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ def is_real(value: Any) -> bool:
 
 
 def is_figure(value: Any) -> bool:
-    """Whether it is a number, or nan or an infinity where there is none."""
+    """Whether it is a number, also nan or infinite."""
     return is_real(value) or (isinstance(value, float) and not math.isfinite(value))
 
 

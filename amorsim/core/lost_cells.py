@@ -71,7 +71,7 @@ def lost_cells(original: Map, copy: Map) -> Lost:
 
 
 def _strips(world: Map) -> Iterator[tuple[Points, NDArray[np.bool_], NDArray[np.bool_]]]:
-    """Some rows at a time: middles (n, 2) of their cells in the world, which are occupied, and which unknown."""
+    """Some rows at a time: the middles (n, 2) of their cells in the world, which are occupied and which unknown."""
     rows, columns = world.shape
     side = world.resolution
     step = max(1, _STRIP // columns)
@@ -94,7 +94,7 @@ def _unknown_at(world: Map, places: Points) -> NDArray[np.bool_]:
 
 
 def _farthest(missing: Points, copy: Map, added: Points, original: Map) -> float | None:
-    """The farthest that one of these occupied cells is from those of the other map [m]."""
+    """The largest distance [m] of one of these occupied cells from those of the other map."""
     farthest = 0.0
     for places, other in ((missing, copy), (added, original)):
         if len(places) == 0:

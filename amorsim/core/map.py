@@ -1,4 +1,4 @@
-"""A map: which cells of the plane are occupied, their place in the world, and the walls they were drawn from."""
+"""A map: its occupied cells, its place in the world, and the walls that it was drawn from."""
 
 from __future__ import annotations
 
@@ -343,7 +343,7 @@ class Map:
 
 
 def drawn_alike(one: Grid | None, other: Grid | None) -> bool:
-    """Whether two grids hold the same cells in the same pages; cells drawn in another order may lie in others."""
+    """Whether two grids have the same cells in the same pages; their order of drawing decides about pages."""
     if one is None or other is None:
         return one is other
     pairs = ((one.supers, other.supers), (one.tables, other.tables), (one.pages, other.pages))
@@ -351,7 +351,7 @@ def drawn_alike(one: Grid | None, other: Grid | None) -> bool:
 
 
 def _cells(given: ArrayLike, what: str) -> NDArray[np.uint8]:
-    """An array that is not 0 where what was given is not; without a copy where that can be had."""
+    """An array that is 0 where the given one is 0; without a copy if possible."""
     try:
         cells = np.asarray(given)
     except ValueError:

@@ -33,7 +33,7 @@ def memory_of_machine() -> int | None:
 
 
 def too_large(count: int, each: int) -> str:
-    """A message if `count` things of `each` bytes do not fit into memory, with the number that would; else empty."""
+    """A message if `count` things of `each` bytes do not fit into memory, with the number that does; else empty."""
     there = memory_of_machine()
     if there is None or count * each <= there:
         return ""

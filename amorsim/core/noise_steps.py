@@ -119,7 +119,7 @@ class NoiseProgram:
         self.bind(values, out)()
 
     def bind(self, values: Array, out: Array) -> Callable[[], None]:
-        """A function that does what `apply` does, each time it is called, for arrays that keep their place."""
+        """A function that does at each call what `apply` does, for arrays that keep their place."""
         if self._draws is None:
             return functools.partial(np.copyto, out, values)
         blocks, random = self._blocks, self._random

@@ -1,4 +1,4 @@
-"""Checks which values of files, forms and scripts count as numbers; and writes numbers for files."""
+"""Which values of files, forms and scripts are numbers, and how numbers are written into files."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def is_number(value: Any, below: float = math.inf) -> bool:
 
 
 def millimetres(metres: float) -> str:
-    """A length in millimetres for a file, such that dividing by 1000 gives the same number, where there is one."""
+    """A length in millimetres for a file; if possible one that gives the same number when divided by 1000."""
     near = metres * 1000
     for value in (float(round(near)), near, math.nextafter(near, math.inf), math.nextafter(near, -math.inf)):
         if value / 1000 == metres:

@@ -1,4 +1,4 @@
-"""The input of one robot's code: a pose and readings, in place of the arrays over rows."""
+"""The arguments of code for one robot: a pose and readings, in place of arrays over rows."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Parameters of components: attrs fields that know their unit, bounds and meaning.
+"""Parameters of components: attrs fields with units, bounds and help.
 
 The scenario file, the command line, forms and reference pages are all made from `describe`.
 """

@@ -27,7 +27,7 @@ class Mount:
 
 
 def _fit(poses: object, others: object, columns: int) -> bool:
-    """Whether these are arrays of numbers `(N, 3)` and `(N, columns)`; in every step, so nothing else is asked."""
+    """Whether these are arrays of numbers `(N, 3)` and `(N, columns)`; checks no more, since each step calls it."""
     if not (isinstance(poses, np.ndarray) and isinstance(others, np.ndarray)):
         return False
     if not (poses.dtype is _FLOAT and others.dtype is _FLOAT):

@@ -1,4 +1,4 @@
-"""Other processes of Python: how they are started, and end together with the one that started them."""
+"""Other Python processes: starting them, and ending them together with the one that started them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _watched: set[int] = set()
 
 
 def python_command(code: str, path: Sequence[str] | None = None) -> list[str]:
-    """The command that runs `code` in another process, which finds modules where this one does, or in `path`.
+    """The command that runs `code` in another process with the same import paths, or with `path`.
 
     ``python -m`` would look into the present folder first, where a user's ``random.py`` may lie.
     """

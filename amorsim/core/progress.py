@@ -22,7 +22,7 @@ _EVERY = 0.1  # [s] between two drawings
 def progress_shown(
     progress: bool | Callable[[T], None] | None, what: str, share: Callable[[T], float]
 ) -> Iterator[Callable[[T], None] | None]:
-    """What to call as work goes on; None for nothing.
+    """A function to call as work goes on; None for nothing.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ class _Late:
 
 
 def _bar_here() -> Callable[[str], contextlib.AbstractContextManager[Show]] | None:
-    """The bar for where the program runs; None where nobody looks."""
+    """The bar that fits where the program runs; None if nobody looks."""
     if _is_notebook():
         return _in_notebook
     return _in_terminal if sys.stderr is not None and sys.stderr.isatty() else None

@@ -106,5 +106,5 @@ def no_such_file(path: str | os.PathLike[str]) -> str:
 
 
 def reason(error: Exception) -> str:
-    """Why a file could not be read, without its name, which the caller adds."""
+    """Why a file could not be read, without its name."""
     return (isinstance(error, OSError) and error.strerror) or str(error)

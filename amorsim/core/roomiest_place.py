@@ -29,7 +29,7 @@ def roomiest(free: NDArray[np.bool_]) -> tuple[int, int, int] | None:
 
 
 def joined(free: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """The free cells connected to the roomiest place by free cells; none if nothing is free."""
+    """The free cells connected to the roomiest place by free cells; none if no cell is free."""
     found = roomiest(free)
     return np.zeros_like(free) if found is None else joined_to(free, found[0], found[1])
 

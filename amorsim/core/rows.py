@@ -1,4 +1,4 @@
-"""Components over rows: many of one class as one, whose fields are arrays with the row as first axis."""
+"""Components over rows: many of one class as one, with arrays as fields whose first axis is the row."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ T = TypeVar("T")
 
 
 def _varies(parameter: Parameter, value: Any) -> bool:
-    """Whether rows of one group may differ in this value (numbers that fix no shape)."""
+    """Whether rows of one group may differ in this value: numbers may, unless they fix a shape."""
     if parameter.static:
         return False
     if isinstance(value, tuple):
@@ -30,14 +30,14 @@ def _varies(parameter: Parameter, value: Any) -> bool:
 
 
 def _is_table(value: tuple[Any, ...]) -> bool:
-    """Whether these are tuples of numbers, all of one length: points and the like."""
+    """Whether these are tuples of numbers of one length, such as points."""
     return len({len(item) if isinstance(item, tuple) else 0 for item in value}) == 1 and all(
         isinstance(item, tuple) and item and all(map(is_number, item)) for item in value
     )
 
 
 def signature(component: Any) -> Hashable:
-    """The key that must be equal for components to be rows of one group: class, static fields, lengths of rings."""
+    """The key that components must share to be rows of one group: class, static fields, lengths of rings."""
     kind: Any = type(component)
     parts: list[Hashable] = [kind]
     for name, parameter in describe(kind).items():

@@ -1,4 +1,4 @@
-"""Temporary folders named after the process that made them, so that what a killed process left can be removed.
+"""Temporary folders named after their process, so that those of a killed process can be removed.
 
 A name is ``.amorsim-MACHINE-PROCESS-BEGUN-REST``; in the system's temporary folder, ``amorsim-KIND-MACHINE-...``.
 """
@@ -30,7 +30,7 @@ def own_name(rest: str, prefix: str = HIDDEN) -> str:
 
 
 def make_folder(parent: Path, prefix: str = HIDDEN) -> Path:
-    """A new folder in `parent`, named after this process; before the first one, what was left there is removed.
+    """A new folder in `parent`, named after this process; first removes what ended processes left there.
 
     Raises
     ------
@@ -54,7 +54,7 @@ def temporary_folder(kind: str) -> Iterator[Path]:
 
 
 def remove_left(parent: Path) -> None:
-    """Remove what processes of this machine that have ended have left in a folder."""
+    """Remove the folders that ended processes of this machine have left in a folder."""
     with contextlib.suppress(OSError), os.scandir(parent) as entries:
         for entry in entries:
             found = _NAME.match(entry.name)
@@ -69,7 +69,7 @@ def remove_left(parent: Path) -> None:
 
 @functools.cache
 def _machine() -> str:
-    """What differs between this machine, or container, and others that share a disk and have processes of their own."""
+    """The identity of this machine or container among others that share a disk and have other processes."""
     try:
         processes = str(Path("/proc/self/ns/pid").readlink())
     except OSError:  # not on Linux
@@ -78,7 +78,7 @@ def _machine() -> str:
 
 
 def _lives(process: int, begun: int) -> bool:
-    """Whether a process has not ended; true where that cannot be known."""
+    """Whether a process is running; true if that is not known."""
     if Path("/proc/self/stat").exists():
         return _begun(process) == begun
     if os.name == "nt":
@@ -93,7 +93,7 @@ def _lives(process: int, begun: int) -> bool:
 
 
 def _begun(process: int) -> int | None:
-    """When a process began, in the system's ticks since its start; None if it has ended or that is not known."""
+    """When a process began, in ticks since the system's start; None if it has ended or that is not known."""
     try:
         words = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
     except OSError:

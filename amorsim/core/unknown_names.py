@@ -27,7 +27,7 @@ def no_such(what: str, name: object, known: Iterable[object], *, whose: str = ""
 
 
 def unknown_key(name: str, known: Iterable[str]) -> str:
-    """The message for a key of a table that means nothing there."""
+    """The message for an unknown key of a table."""
     return f"unknown key; {_known('key', name, known)}"
 
 

@@ -24,7 +24,7 @@ Objects = npt.NDArray[Any]
 
 @attrs.frozen(kw_only=True)
 class UserCode:
-    """The common part of what users write themselves: makes the objects, calls them, and reports failures.
+    """Shared by all kinds of users' code: makes the objects, calls them, and reports failures.
 
     It also takes the place of a component in a user's file until that file is loaded.
 
@@ -50,7 +50,7 @@ class UserCode:
         return AmorsimError(message)
 
     def idle(self) -> Any:
-        """A function or class that does nothing, for looking at a scenario without running the user's code."""
+        """A function or class that does nothing, to read a scenario without running the user's code."""
         return _nothing
 
     def make_objects(
@@ -88,12 +88,12 @@ class UserCode:
         return {"objects": objects}
 
     def try_out(self) -> None:
-        """Make an object of a class, as at a start; what is raised is as for `make_objects`."""
+        """Make an object of a class, as at a start; raises as `make_objects`."""
         self.make_objects(1, lambda _: "a try")
 
     @property
     def title(self) -> str:
-        """Its name in messages: its kind and where it comes from, or the name of a script's own function."""
+        """Its name in messages: its kind and origin, or the name of a script's function."""
         return f"{self.kind} {self.source or getattr(self.function, '__name__', type(self.function).__name__)!r}"
 
     @property

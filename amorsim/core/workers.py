@@ -65,7 +65,7 @@ class Workers:
         return functools.partial(self._together, mine, others)
 
     def _together(self, mine: Callable[[], None], others: Sequence[Callable[[], None]]) -> None:
-        """Do the work of `others` in the other threads, and `mine` in this one."""
+        """Run `others` in the other threads, and `mine` in this one."""
         pool = self._threads()
         handed_over = [pool.submit(other) for other in others]
         try:

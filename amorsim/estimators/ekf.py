@@ -63,5 +63,5 @@ class Ekf(KalmanFilter):
     """
 
     def transform(self) -> Transform:
-        """By slopes at the mean."""
+        """Transforms by slopes at the mean."""
         return _SLOPES

@@ -203,7 +203,7 @@ class GraphSlam(MapArea, ScanTracker):
 
 
 def _slid_fit(room: Room, points: Array) -> float:
-    """The best fit of a scan's points that are slid from where they match, the way that the match knows least.
+    """The best fit of a scan whose points are shifted from the match, along the match's least certain direction.
 
     Along a corridor all places fit alike, and the best of them tells nothing.
     """

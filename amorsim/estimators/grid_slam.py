@@ -218,7 +218,7 @@ class GridSlam(MapArea, Estimator):
         return True
 
     def _draw(self, row: int, beams: Beams, state: State) -> None:
-        """Add the newest scan of the best particle's map to what is drawn; all of them if it is another map."""
+        """Add the newest scan of the best particle to the drawn map; if another one is best, draw all its scans."""
         count = int(state["nodes"][row])
         path = state["paths"][row, int(np.argmax(state["weights"][row])), :count]
         drawn = state["drawn"][row]
@@ -272,7 +272,7 @@ class GridSlam(MapArea, Estimator):
 
 
 def _weights_of(state: State) -> Array:
-    """Weights `(N, P)` that sum to 1 in each row; summed one after the other, so that rows keep their bits."""
+    """Weights `(N, P)` with the sum 1 in each row; summed in order, so that rows keep their bits."""
     logarithms: Any = state["weights"]
     weights = elementary.exp(logarithms - logarithms.max(axis=1, keepdims=True))
     return np.asarray(weights / np.cumsum(weights, axis=1)[:, -1:])
@@ -283,7 +283,7 @@ def _effective(weights: Array) -> Array:
 
 
 def _estimate_of(state: State) -> Estimate:
-    """The best particle, moved by the wheels since the last scan, and how the others spread about it."""
+    """The best particle, moved by the wheels since the last scan, and the spread of the others about it."""
     weights = _weights_of(state)
     best = np.argmax(weights, axis=1)
     pose = state["particles"][np.arange(len(best)), best]

@@ -1,4 +1,4 @@
-"""The start of an estimator: the pose that the robot knows, and how well."""
+"""The start of an estimator: the pose that the robot knows, and its covariance."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def refuse_lost(who: str, context: Context) -> None:
 
 
 def start_state(context: Context) -> State:
-    """The part of a state that `with_start` needs; nothing for robots that know their start exactly."""
+    """The part of a state that `with_start` needs; empty for robots that know their start exactly."""
     if context.covariance is None:
         return {}
     return {"start_pose": np.array(context.pose), "start_covariance": context.covariance.copy()}

@@ -119,7 +119,7 @@ class KalmanFilter(Estimator):
 
     @abc.abstractmethod
     def transform(self) -> points.Transform:
-        """How what is expected depends on the state."""
+        """The transform from the state to the expected measurement."""
 
     def sources(self) -> Sequence[tuple[str, str, str]]:
         """The sources that predict and correct each part of the state, with the noise that is assumed."""
@@ -136,7 +136,7 @@ class KalmanFilter(Estimator):
         return found
 
     def start(self, context: Context) -> State:
-        """Mean and covariance of x, y, heading and bias, the joints, and room for what the updates compare.
+        """State: mean and covariance of x, y, heading and bias, the joints, and room for what updates compare.
 
         Raises
         ------
@@ -244,7 +244,7 @@ class KalmanFilter(Estimator):
         return state["current"], np.asarray(state["taken"] & was_taken & goes_on)
 
     def _keep_valid(self, state: State, mean: Array, covariance: Array) -> None:
-        """Put the rows whose numbers are none any more back to what they were before the update."""
+        """Restore rows whose numbers have become invalid to what they were before the update."""
         now = state["covariance"]
         # nan compares as false.
         fine = np.asarray((np.abs(state["mean"]) < _FAR).all(axis=1))
@@ -305,7 +305,7 @@ class KalmanFilter(Estimator):
     def _reading(
         self, field: str, robot: RobotModel, readings: Mapping[str, Measurement], allowed: Bools, state: State
     ) -> tuple[Array, Bools, Array, Array]:
-        """A sensor's values, which are new and `allowed`, its mounts `(N, 3)`, and room for a record, emptied."""
+        """A sensor's new and `allowed` values, its mounts `(N, 3)`, and an empty record to fill."""
         name = getattr(self, field)
         reading, mount = readings[name], robot.sensors[name].mount
         fresh = check_fresh(self.who, robot, name, reading, self.age_max)
@@ -316,7 +316,7 @@ class KalmanFilter(Estimator):
         return np.ascontiguousarray(reading.measured), fresh & allowed, mounts, records
 
     def beliefs(self, state: State) -> Beliefs:
-        """Of each sensor, by its field: ``innovation``, its covariance, ``nis``, and ``used``, 1 or 0; nan if none.
+        """For each sensor, by its field: ``innovation``, its covariance, ``nis``, and ``used``, 1 or 0; nan if none.
 
         Landmarks have them for each slot of the reading, and ``landmarks_match``, the landmark's place among those that
         the robot knows. With a gyro, ``gyro_bias`` [rad/s] and ``gyro_bias_variance``.

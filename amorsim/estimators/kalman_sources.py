@@ -1,4 +1,4 @@
-"""The sensors that correct a Kalman filter: what each must measure, and what must be stated of it."""
+"""The sensors that correct a Kalman filter: what each must measure, and the variances that must be given for it."""
 
 from __future__ import annotations
 

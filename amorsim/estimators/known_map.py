@@ -1,4 +1,4 @@
-"""Derived from the map that a localizing robot knows: distances to walls, and where it may be."""
+"""What is derived from the map that a localizing robot knows: distances to walls, and where it may be."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _LARGEST = 2**31 - 1  # sum of a scan's steps
 
 
 def maps_of(who: str, robot: RobotModel) -> Sequence[tuple[Map, npt.NDArray[np.int64]]]:
-    """The maps that robots know, each with the rows that know it, in order.
+    """The maps that robots know, in order, each with its rows.
 
     Raises
     ------
@@ -51,13 +51,13 @@ def maps_of(who: str, robot: RobotModel) -> Sequence[tuple[Map, npt.NDArray[np.i
 
 
 def place_of(known: Map) -> Place:
-    """Where a map lies in the world."""
+    """The pose of a map in the world."""
     x, y, yaw = known.origin
     return Place(x, y, math.cos(yaw), math.sin(yaw))
 
 
 def _once(make: Callable[Concatenate[Map, P], T]) -> Callable[Concatenate[Map, P], T]:
-    """Keeps what `make` gives for a map and the last few further arguments; what it gives must not refer to the map."""
+    """Keeps the results of `make` for a map and the last few other arguments; they must not refer to the map."""
     made: WeakKeyDictionary[Map, dict[Hashable, T]] = WeakKeyDictionary()
 
     @functools.wraps(make)
@@ -110,7 +110,7 @@ def _squares(known: Map, resolution: float, distance_max: float) -> tuple[npt.ND
 
 @_once
 def field_of(known: Map, resolution: float, ends: Ends) -> Field:
-    """The likelihood field of a map: what a beam that ends in a cell adds to the weight, by its distance to a wall.
+    """The likelihood field of a map: the weight that a beam adds which ends in a cell, by its distance to a wall.
 
     The field reaches beyond the map by as much as the longest distance that counts.
 
@@ -152,14 +152,14 @@ def free_of(known: Map) -> Free:
 
 
 def no_field() -> Field:
-    """A field for filters that use none."""
+    """An empty field, for filters that use none."""
     steps: npt.NDArray[np.int32] = np.zeros(1, dtype=np.int32)
     steps.flags.writeable = False
     return Field(steps, 1, 1, 1.0, 0.0, 1.0, 0.0)
 
 
 def nowhere() -> Free:
-    """No squares, for filters that draw nothing at random."""
+    """No squares, for filters that add no random particles."""
     middles: npt.NDArray[np.float64] = np.zeros((1, 2))
     middles.flags.writeable = False
     return Free(middles, 0.0)

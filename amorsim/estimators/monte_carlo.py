@@ -336,7 +336,7 @@ class MonteCarlo(Estimator):
         ]
 
     def failed(self, state: State) -> npt.NDArray[np.bool_]:
-        """Rows in which the last scan was possible from no particle; they went on with all, as likely as each other."""
+        """Rows in which no particle could explain the last scan; all were kept, with equal weights."""
         failed: npt.NDArray[np.bool_] = state["figures"][:, 2] > 0.0
         return failed
 
@@ -370,7 +370,7 @@ class MonteCarlo(Estimator):
 
 @functools.cache
 def _spread(wanted: int, offered: int) -> npt.NDArray[np.intp]:
-    """Which of a sensor's beams are used."""
+    """The indices of the used beams of a sensor."""
     return np.round(np.linspace(0, offered - 1, min(wanted, offered))).astype(np.intp)
 
 

@@ -1,4 +1,4 @@
-"""The pose graph of one robot, as an estimator's state holds it: arrays of a fixed size over rows."""
+"""The pose graph of one robot in an estimator's state: arrays of a fixed size over rows."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def loops_of(state: State) -> npt.NDArray[np.int64]:
 
 
 class NodeGraph:
-    """The graph of one row of a state, which it changes."""
+    """The graph of one row of a state, and changes to it."""
 
     def __init__(self, state: State, row: int) -> None:
         self._state = state
@@ -209,7 +209,7 @@ class NodeGraph:
         )
 
     def solve(self) -> bool:
-        """Move all nodes to their most likely poses; False, and none is moved, if there are no such poses.
+        """Move all nodes to their most likely poses; false, without moving any, if there are none.
 
         Edges that the others contradict, loops or motions, are weighed down. A new one counts in full at first.
         """
@@ -233,7 +233,7 @@ class NodeGraph:
         return float(far.max(initial=0.0))
 
     def take_pose(self) -> None:
-        """Put the row's robot, which is at its newest node, to where that node is now."""
+        """Move the row's robot along with its newest node."""
         state, row = self._state, self._row
         newest = self.poses[-1]
         for name in ("pose", "key_pose", "last", "scan_pose"):
@@ -251,7 +251,7 @@ def _is_motion(edges: npt.NDArray[np.int64], first: int, last: int) -> npt.NDArr
 
 
 def _is_same(pose: Array, other: Array) -> bool:
-    """Whether two poses (3,) are the same place, as far as matches and the motion between them tell."""
+    """Whether two poses (3,) are the same place, within the accuracy of matches and of the motion between them."""
     off, turn = math.hypot(pose[0] - other[0], pose[1] - other[1]), abs(float(wrap_angle(pose[2] - other[2])))
     return bool(off <= _AGREE[0] and turn <= _AGREE[1])
 

@@ -219,7 +219,7 @@ class ScanTracker(Estimator):
         return found
 
     def _take_keys(self, robot: RobotModel, scans: tracking.Outlines, asked: Bools, state: State) -> None:
-        """Let the scans of rows that ask for it be their next key."""
+        """Make the scans of the rows that need one their next key."""
         tracking.make_keys(scans, asked, _keys(state, mounts_of(robot, self.laser)), _tracks(state), self._room(robot))
 
     def _estimate(self, state: State) -> Estimate:

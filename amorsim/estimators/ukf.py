@@ -36,7 +36,7 @@ class Ukf(KalmanFilter):
     kappa: float = parameter(0.0, ge=0, static=True, help="further spread of the points")
 
     def transform(self) -> Transform:
-        """By points: two for each number of the state, and the mean."""
+        """Transforms by sigma points: two for each number of the state, and the mean."""
         scale = self.alpha**2 * (_SIZE + self.kappa)
         middle = 1.0 - _SIZE / scale + (1.0 - self.alpha**2 + self.beta)
         return Transform(by_points=True, reach=math.sqrt(scale), middle=middle, each=0.5 / scale)

@@ -96,7 +96,7 @@ class UserEstimator(UserCode, Estimator):
         return Estimate(pose, covariance)
 
     def beliefs(self, state: State) -> Beliefs:
-        """What the objects believe besides the pose, stacked over the rows; nothing if the class has no such method.
+        """The objects' beliefs besides the pose, stacked over the rows; empty if the class has no such method.
 
         Where an object has fewer numbers than another, as particles, the rest is nan.
 
@@ -138,7 +138,7 @@ def _as_belief(values: Any) -> npt.NDArray[Any]:
 
 
 def _stacked(parts: Sequence[npt.NDArray[Any]]) -> npt.NDArray[Any]:
-    """Arrays as the rows of one, those that are smaller filled up with nan."""
+    """Arrays as the rows of one array; smaller ones are filled up with nan."""
     if len({part.shape for part in parts}) == 1:
         return np.stack(parts)
     whole = np.full((len(parts), *(max(sizes) for sizes in zip(*(part.shape for part in parts), strict=True))), np.nan)

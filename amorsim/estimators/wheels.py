@@ -69,7 +69,7 @@ def bind_differences(drive: Drive, before: Array, after: Array, radius: Array, o
 
 
 class Step(NamedTuple):
-    """How far the nominal drives of N robots have moved them, and how errors of the joints that roll add to that."""
+    """The displacements of N robots by their nominal drives, and how errors of the rolling joints add to them."""
 
     displacement: Array  # (N, 3)
     twist: Array  # (N, 3)
@@ -81,7 +81,7 @@ class Step(NamedTuple):
 
 
 class Reckoned(NamedTuple):
-    """Where N robots are after their joints have moved."""
+    """The poses of N robots after their joints have moved."""
 
     pose: Array  # (N, 3)
     covariance: Array  # (N, 3, 3)
@@ -207,7 +207,7 @@ def _angles(robot: RobotModel, encoder: str, measured: Array, shape: tuple[int, 
 def bind_angles(
     robot: RobotModel, encoder: str, measured: Array, joints: Array
 ) -> tuple[Array, Array, Callable[[], None]]:
-    """As `angles_of`, with arrays that a function writes; it takes `joints` on, and those that are nan stand at 0."""
+    """As `angles_of`, with arrays that a function writes; it updates `joints`, and those that are nan become 0."""
     before, after = np.empty(joints.shape), np.empty(joints.shape)
 
     def take() -> None:

@@ -1,1 +1,1 @@
-"""Readers of other programs' files that hold robots too, or maps with more in them than walls."""
+"""Readers of other programs' files that hold robots, or maps with more than walls."""

@@ -39,7 +39,7 @@ _ROOM = 1.0  # [m] around a home that lies outside the lines
 
 
 class Thing(NamedTuple):
-    """A *cairn* of a map, in metres and degrees: its type, pose and name, and two corners or ends, or nothing."""
+    """A *cairn* of a map, in metres and degrees: its type, pose and name, and two corners or ends, or none."""
 
     kind: str
     x: float
@@ -51,7 +51,7 @@ class Thing(NamedTuple):
 
     @property
     def centre(self) -> tuple[float, float]:
-        """The middle between the ends: of an area, whose corners are in a frame that is turned about the origin."""
+        """The middle between the ends; for an area in the frame of its corners, turned about the origin."""
         assert self.ends is not None
         x, y = (self.ends[0] + self.ends[2]) / 2, (self.ends[1] + self.ends[3]) / 2
         if self.is_line:

@@ -1,4 +1,4 @@
-"""Names of robots and obstacles, made of those that other programs allow."""
+"""Valid names of robots and obstacles, made from those of other programs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Text files of other programs: read whole, in whatever letters, with the lines of what is wrong."""
+"""Text files of other programs: read whole, in any encoding, with the lines of faults."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def is_binary(data: bytes) -> bool:
 
 
 def decoded(data: bytes, path: Path, kind: str) -> str:
-    """The text of a file, which should be a `kind`: UTF-8, or else Latin 1, in which every byte is a letter.
+    """The text of a file that should be a `kind`: UTF-8, or else Latin 1, in which every byte is a letter.
 
     Raises
     ------
@@ -47,7 +47,7 @@ def read_text(path: Path, most: int, kind: str) -> str:
 
 
 class Faults:
-    """The faults of one file, each with its line; of very many the first."""
+    """The faults of one file, each with its line; only the first of very many."""
 
     _MOST = 50
 
@@ -56,7 +56,7 @@ class Faults:
         self._faults: list[Fault] = []
 
     def add(self, line: int, message: str) -> None:
-        """Note what is wrong in a line."""
+        """Note a fault in a line."""
         if len(self._faults) < self._MOST:
             self._faults.append(Fault(file=str(self._path), path="", line=line, message=message))
 

@@ -1,4 +1,4 @@
-"""Grading of controllers in files: each in a process of its own that knows no truth, with limits of time and memory."""
+"""Grading of controllers in files: each runs in a process that has no truth, with limits of time and memory."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The answers of a submission: it is loaded, and asked with one line after the other."""
+"""The answers of a submission, which is loaded and then asked line by line."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ Answer = Callable[[Mapping[str, Any]], tuple[str, Any]]
 
 
 def _loaded(path: Path, name: str, role: str) -> tuple[Answer, dict[str, Any]]:
-    """What answers each line, and the answers to the questions of the rubric."""
+    """The function that answers a line, and the answers to the rubric's questions."""
     if role == "controller":
         found: Any = load_controller(path, name, {})
         command: Any = getattr(found(), "command", None) if inspect.isclass(found) else found
@@ -78,7 +78,7 @@ def _answers(found: Any) -> dict[str, Any]:
 
 
 def _estimated(answer: Any) -> list[Any]:
-    """A pose and a covariance, as lists; a pose alone has none."""
+    """A pose and a covariance as lists; a submission may return the pose alone."""
     if isinstance(answer, tuple) and len(answer) == 2:
         pose, covariance = answer
     else:

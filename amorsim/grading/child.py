@@ -46,7 +46,7 @@ def main() -> None:
 
 
 def _receive(requests: BinaryIO, files: Mapping[str, int], folder: Path) -> None:
-    """Write the files whose names and sizes were sent, and whose contents follow."""
+    """Write the files whose names and sizes came first, and whose contents follow."""
     for name, size in files.items():
         place = folder / name
         place.parent.mkdir(parents=True, exist_ok=True)
@@ -60,7 +60,7 @@ def _link_kernels(compiled: Path, made: Path) -> None:
 
 
 def _end_with_the_grader(pipe: int) -> None:
-    """End this process when the grader is gone, whatever the submission is doing then: nobody else would."""
+    """End this process when the grader has ended, whatever the submission does then."""
     if not hasattr(select, "poll"):  # on Windows
         return
 

@@ -1,4 +1,4 @@
-"""The fence around a submission: bubblewrap, within which there are Python, the submission's files and nothing else.
+"""The fence around a submission: bubblewrap, with Python and the submission's files inside, and nothing else.
 
 It has namespaces of its own: it sees no process, network or user of the system, and no file but those bound here, which
 it cannot change. What it writes is in memory, and gone when it ends.
@@ -37,7 +37,7 @@ _PACKAGES = ("site-packages", "dist-packages")
 
 @attrs.frozen
 class Fence:
-    """A fence that the system allows: bubblewrap's program and version, and what can be read within."""
+    """A fence that this system allows: bubblewrap's program and version, and the folders that can be read inside."""
 
     program: str
     version: str
@@ -81,7 +81,7 @@ class Fence:
 
 
 def find_fence(private: Iterable[Path]) -> Fence:
-    """A fence that shows nothing of what is private.
+    """A fence in which no private file can be read.
 
     Raises
     ------

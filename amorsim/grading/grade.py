@@ -164,7 +164,7 @@ class _Desk:
 def _results(
     grading: _Grading, paths: Sequence[Path], todo: Sequence[_Task], jobs: int, again: tuple[Any, ...]
 ) -> Iterator[tuple[int, CaseGrade]]:
-    """The results of cases, as they come; `again` is what other processes prepare the same grading from."""
+    """The results of cases as they come; `again` is that from which other processes prepare the same grading."""
     if jobs == 1 or len(todo) < 2:
         for place, number in todo:
             yield place, _graded(grading, paths, place, number)
@@ -282,7 +282,7 @@ def _no_submission(path: Path) -> str:
 
 
 def _handed_in(grading: _Grading, path: Path) -> tuple[HandedIn | None, str]:
-    """The files of a submission; or None, and why it has none."""
+    """The files of a submission; or None, and the reason."""
     if path in grading.linked:
         return None, "it is a symbolic link, or lies in one, and these are not followed"
     try:
@@ -339,7 +339,7 @@ def _needs(rubric: Rubric) -> tuple[str, ...]:
 
 
 def _case(grading: _Grading, case: Case, scenario: Scenario, handed_in: HandedIn) -> CaseGrade:
-    """A submission's result in a case; whatever goes wrong costs it this case, and nothing else."""
+    """A submission's result in a case; any error costs it this case and no other."""
     try:
         return _run(grading, case, scenario, handed_in)
     except StudyError:  # of the fence

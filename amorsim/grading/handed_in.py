@@ -20,7 +20,7 @@ _OMITTED = ("__pycache__",)  # and what begins with a dot
 
 @attrs.frozen
 class HandedIn:
-    """The files of a submission by their paths in its folder, the one to load, and what was left out."""
+    """The files of a submission by path, the one to load, and what was left out."""
 
     name: str
     files: dict[str, bytes]
@@ -30,7 +30,7 @@ class HandedIn:
 def hand_in(
     path: Path, others: Iterable[Path] = (), given: Sequence[Path] = (), beside: Sequence[str] = ()
 ) -> HandedIn:
-    """The files of a submission: its whole folder if nothing of others lies there, else its file and those `beside` it.
+    """The files of a submission: its folder, if nobody else's files are there, else its file and those `beside` it.
 
     Symbolic and hard links, and what is not a regular file, are left out.
 
@@ -79,12 +79,12 @@ def leads_through_link(path: Path, base: Path) -> bool:
 
 
 def is_within(path: Path, folder: Path) -> bool:
-    """Whether a path is a folder, or lies in it."""
+    """Whether a path is a folder, or is in it."""
     return path == folder or folder in path.parents
 
 
 def _names(folder: Path) -> Iterator[str]:
-    """The paths of all in a folder but folders, which it enters unless they are links."""
+    """The paths of all files in a folder and its subfolders, but not behind links."""
     waiting = [""]
     while waiting:
         inner = waiting.pop()

@@ -21,7 +21,7 @@ _CODE = "from amorsim.grading.child import main; main()"
 
 
 class SubmissionProcess:
-    """Runs `amorsim.grading.child`, which gets no open file of this process; within a fence, nothing else of it either.
+    """Runs `amorsim.grading.child` without any open file of this process; in a fence, without anything of it.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ class SubmissionProcess:
             signal.pidfd_send_signal(self._first, signal.SIGKILL)
 
     def how_it_ended(self) -> str:
-        """How the process ended by itself, for a message; empty if it ran on or left Python."""
+        """How the process ended by itself, in words; empty if it still ran or left Python."""
         try:
             status = self._popen.wait(timeout=1.0)
         except subprocess.TimeoutExpired:

@@ -1,4 +1,4 @@
-"""Questions with known answers: a submission answers them in its ``ANSWERS``, by their numbers."""
+"""Questions with known answers, which a submission gives in its ``ANSWERS``, by their numbers."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _MOST = 200  # answers, and characters of one
 
 @attrs.frozen(kw_only=True)
 class Question:
-    """A question, what is right, and the points for that.
+    """A question: the right answer, and its points.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class Question:
 
     @property
     def in_words(self) -> tuple[str, str]:
-        """What earns no points, and what earns all; the right answer stays with the lecturer."""
+        """What earns no points and what earns all, without the right answer."""
         return "a wrong answer", "the right one"
 
     def is_right(self, answers: Answers) -> bool:
@@ -77,7 +77,7 @@ def read_questions(path: str | os.PathLike[str]) -> tuple[Question, ...]:
 
 
 def answers_from(sent: Any) -> Answers:
-    """The answers that a submission sent: finite numbers and short words, by name; all else counts as no answer."""
+    """The answers in a submission: finite numbers and short words, by name; anything else is no answer."""
     found: dict[str, float | str] = {}
     if isinstance(sent, dict) and len(sent) <= _MOST:
         for name, value in sent.items():

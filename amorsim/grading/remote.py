@@ -1,4 +1,4 @@
-"""A submission in another process: it is sent what a controller or an estimator gets, and answers.
+"""A submission in another process: it is sent what a controller or an estimator is given, and answers.
 
 That process has no simulation in it, so there is no truth that its code could find. Both sides speak lines of JSON, and
 what comes back is data: it is never executed, its length is limited, and it is refused unless it has the expected form.
@@ -98,7 +98,7 @@ class Remote:
         self._process.close()
 
     def _begin(self) -> None:
-        """Wait until Python runs, and nothing of the submission yet."""
+        """Wait until Python runs, before anything of the submission does."""
         try:
             self._answer("starting it")
         except ControllerError as error:
@@ -144,7 +144,7 @@ class Remote:
         return value
 
     def begin(self, pose: Array) -> None:
-        """Send an estimator the pose `(3,)` at which the robot starts, as the robot knows it."""
+        """Send an estimator the start pose `(3,)`, as the robot knows it."""
         self._say({"start": pose.tolist()}, "at the start")
         self._answer("at the start")
 
@@ -201,7 +201,7 @@ class Remote:
                 raise self._ended("before it was asked") from None
 
     def _refuse_answers(self) -> None:
-        """Raise if there is an answer to a question that was not asked yet; the end of the process is none."""
+        """Raise if an answer came before its question."""
         if self._rest or os.read(self._process.answers, 1):
             raise ControllerError("it answered before it was asked")
         raise self._ended("before it was asked")
@@ -276,7 +276,7 @@ class SubmittedEstimator(Estimator):
         return Estimate(pose[None], covariance[None])
 
     def beliefs(self, state: State) -> Beliefs:
-        """What it believes besides the pose, asked for now."""
+        """Its beliefs other than the pose, asked for now."""
         return {name: array[None] for name, array in self.remote.beliefs().items()}
 
 

@@ -35,7 +35,7 @@ class Case:
 
     @property
     def settings(self) -> tuple[str, ...]:
-        """The settings that it means."""
+        """The settings of this case."""
         return (f"world.map={as_toml(self.world)}",) if self.world else ()
 
 

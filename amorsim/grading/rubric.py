@@ -1,4 +1,4 @@
-"""Rubrics, by which submissions are graded: scenario, runs, held-out worlds, limits, and criteria with points."""
+"""Rubrics for grading: scenario, runs, held-out worlds, limits, and criteria with points."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class Criterion:
         return " and ".join(none) + (f", or without {self.given}" if self.given else ""), " to ".join(full)
 
     def share(self, value: float) -> float:
-        """The share of the points that a value earns; none for nan."""
+        """The share of the points that a value earns; 0 for nan."""
         if value != value:
             return 0.0
         shares = [(value - none) / (full - none) for none, full in zip(self.none, self.full, strict=True)]
@@ -171,7 +171,7 @@ def _read(top: Node, path: Path) -> Rubric | None:
 
 
 def _names(node: Node, what: str) -> list[str]:
-    """The names of files in a list, which may be absent."""
+    """The names of files in a list; the list may be missing."""
     value = node.value
     if value is None:
         return []
@@ -182,7 +182,7 @@ def _names(node: Node, what: str) -> list[str]:
 
 
 def _runs(top: Node, is_practice: bool) -> tuple[int, tuple[Seed, ...]]:
-    """How many runs there are in each world, and their seeds where these are known."""
+    """The number of runs in each world, and their seeds if they are given."""
     runs, seeds = top.child("runs"), top.child("seeds")
     if is_practice:
         if runs.value is not None:
@@ -241,7 +241,7 @@ def _criteria(node: Node) -> list[Criterion]:
 
 
 def _questions(node: Node, folder: Path) -> tuple[Question, ...]:
-    """The questions in the file that is named; none where none is."""
+    """The questions in the named file; empty without one."""
     if node.value is None:
         return ()
     name = node.text("the name of a file of questions, as in 'answers.toml'")
@@ -255,7 +255,7 @@ def _questions(node: Node, folder: Path) -> tuple[Question, ...]:
 
 
 def _bounds(child: Node, key: str, default: float) -> tuple[float, ...]:
-    """The value of `none` or `full`, or both of them."""
+    """The value of `none` or `full`, or a pair of them."""
     value = child.value.get(key, default)
     values = value if isinstance(value, list) and len(value) == 2 else [value]
     for each in values:
@@ -266,7 +266,7 @@ def _bounds(child: Node, key: str, default: float) -> tuple[float, ...]:
 
 
 def _fit(none: tuple[float, ...], full: tuple[float, ...]) -> bool:
-    """Whether there is something between the values that earn nothing and those that earn all."""
+    """Whether values that earn nothing and values that earn all are apart."""
     if len(none) != len(full):
         return False
     return none != full if len(none) == 1 else none[0] < full[0] <= full[1] < none[1]

@@ -11,7 +11,7 @@ _FORMULA = ("=", "+", "-", "@")
 
 
 def as_line(text: str) -> str:
-    """The first two lines of a text as one, of at most 400 characters; what is not printable is escaped."""
+    """The first two lines of a text as one, at most 400 characters long, with unprintable ones escaped."""
     lines = [line.strip() for line in text[: 10 * _LONGEST].splitlines() if line.strip()]
     line = " / ".join(lines[:_LINES]) + (" ..." if len(lines) > _LINES else "")
     # Control characters, marks that turn the direction of writing, and halves of surrogate pairs.

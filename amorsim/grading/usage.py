@@ -16,7 +16,7 @@ _COUNTED = ("RssAnon:", "RssShmem:", "VmSwap:")
 
 
 class Watch:
-    """Looks at a process and all that it started, and reports once what is too much; without /proc it sees nothing.
+    """Watches a process and its children, and reports once if they use too much; without /proc it sees nothing.
 
     The limits of a process (``setrlimit``) hold for each alone: two may take twice as much.
 

@@ -1,4 +1,4 @@
-"""Compiled kernels in one file, for other machines with the same versions and a processor that fits.
+"""Compiled kernels in one file, for other machines with the same versions and a fitting processor.
 
 The file is a zip of the folder of compiled kernels (`amorsim.kernels.cache_folder`), with a note of what it fits. What
 lies in it runs as a part of this program, so an archive is to be trusted like the program itself.

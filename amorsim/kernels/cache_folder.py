@@ -31,7 +31,7 @@ _SOURCES = Path(__file__).resolve().parent
 
 @functools.cache
 def cache_folder() -> Path | None:
-    """The first folder that can be written of those that may hold compiled kernels; None, with a warning, without."""
+    """The first writable folder of those for compiled kernels; None, with a warning, if there is none."""
     for parent in _candidates():
         folder = parent / f"kernels-{_digest()}"
         try:
@@ -54,7 +54,7 @@ def cache_folder() -> Path | None:
 
 
 def is_cold() -> bool:
-    """Whether the kernels of the usual runs have not been compiled yet (`mark_warm`)."""
+    """Whether the kernels of usual runs are not compiled yet (`mark_warm`)."""
     folder = cache_folder()
     return folder is None or not (folder / "warm").exists()
 
@@ -67,7 +67,7 @@ def mark_warm() -> None:
 
 
 class KernelLocator:
-    """Tells numba where compiled kernels lie; for functions that are not amorsim's own it tells nothing.
+    """The folder of compiled kernels, for numba; none for functions that are not amorsim's own.
 
     numba's documentation calls this a cache locator, named in ``NUMBA_CACHE_LOCATOR_CLASSES``.
     """
@@ -85,7 +85,7 @@ class KernelLocator:
         return cls(folder / path.parent.relative_to(_SOURCES), function.__code__.co_firstlineno)
 
     def get_cache_path(self) -> str:
-        """The folder of what is compiled from the function."""
+        """The folder for the function's compiled code."""
         return str(self._folder)
 
     def ensure_cache_path(self) -> None:
@@ -93,11 +93,11 @@ class KernelLocator:
         self._folder.mkdir(parents=True, exist_ok=True)
 
     def get_source_stamp(self) -> str:
-        """What changes with the function's source: nothing, for the folder's own name does (`cache_folder`)."""
+        """A constant, since the folder's own name changes with the sources (`cache_folder`)."""
         return ""
 
     def get_disambiguator(self) -> str:
-        """What tells functions of one name apart."""
+        """A text that differs between functions of one name."""
         return str(self._line)
 
 
@@ -111,7 +111,7 @@ def _candidates() -> Iterator[Path]:
 
 
 def _is_private(folder: Path) -> bool:
-    """Whether no other user can put code there, which would run as this one."""
+    """Whether no other user can put code there, which would run as this user."""
     if not hasattr(os, "getuid"):
         return True
     return all(
@@ -120,7 +120,7 @@ def _is_private(folder: Path) -> bool:
 
 
 def _forget_old(parent: Path, present: Path) -> None:
-    """Remove compiled kernels of other sources that have not been added to for a week."""
+    """Remove compiled kernels of other sources that have not changed for a week."""
     for folder in parent.glob("kernels-*"):
         if folder != present and time.time() - folder.stat().st_mtime > 7 * 86400:
             shutil.rmtree(folder, ignore_errors=True)

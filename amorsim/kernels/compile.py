@@ -41,7 +41,7 @@ def part(function: F) -> F:
 
 
 def inlined(function: F) -> F:
-    """Compile `function` as a `part` whose code LLVM puts into each place that calls it.
+    """Compile `function` as a `part` that LLVM inlines wherever it is called.
 
     For a call in a loop that LLVM is to vectorise: it vectorises no loop with a call in it.
     """

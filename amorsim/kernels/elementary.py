@@ -57,7 +57,7 @@ def power(x: ArrayLike, exponent: ArrayLike) -> Floats:
 
 
 def _each(run: Callable[..., Any], *arguments: ArrayLike) -> Floats:
-    """What a kernel computes for the arguments, broadcast to one shape."""
+    """The result of a kernel for the arguments, broadcast to one shape."""
     arrays = np.broadcast_arrays(*(np.asarray(argument, dtype=np.float64) for argument in arguments))
     out = np.empty(arrays[0].shape)
     run(*(np.ascontiguousarray(array).reshape(-1) for array in arrays), out.reshape(-1))

@@ -1,4 +1,4 @@
-"""Checks of numbers: what must not pass on."""
+"""Checks of numbers before they are passed on."""
 
 from __future__ import annotations
 

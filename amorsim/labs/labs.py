@@ -25,7 +25,7 @@ _QUESTIONS = re.compile(r"^questions = .*\n", re.MULTILINE)  # the rubric's key 
 
 @attrs.frozen(kw_only=True)
 class Lab:
-    """A lab, as its folder has it.
+    """A lab in its folder.
 
     Attributes
     ----------
@@ -117,12 +117,12 @@ def own_lab(folder: Path) -> Lab:
 
 
 def read_handout(lab: Lab) -> str:
-    """The text of a lab's handout, whose links to other pages of the docs are the names of those pages."""
+    """The text of a lab's handout, with links to other pages replaced by the names of those pages."""
     return _LINK.sub(r"\1 (amorsim's docs: \2)", (lab.folder / HANDOUT).read_text(encoding="utf-8"))
 
 
 def start_lab(lab: Lab, folder: Path, *, solutions: bool = False) -> list[str]:
-    """Copy what a lab hands out into a folder, new or empty; returns the names of the files.
+    """Copy the files that a lab hands out into a folder, new or empty; returns their names.
 
     The rubric is without the right answers, unless the solutions come, too. Links of the handout to other pages of the
     docs become the names of those pages.

@@ -20,7 +20,7 @@ ByAgent = dict[str, Any]
 
 
 class SimulationParallelVectorEnv:
-    """The worlds of `SimulationParallelEnv`, all in one simulation: what that has for an agent is an array here.
+    """Many worlds of `SimulationParallelEnv` in one simulation: what an agent has there is an array over worlds here.
 
     World w of ``reset(seed=7)`` is to the bit the one that ``SimulationParallelEnv.reset(seed=7 + w)`` begins. An agent
     whose episode is over stands, with rewards of 0, until all agents of its world are over; the world's next episode
@@ -62,7 +62,7 @@ class SimulationParallelVectorEnv:
 
     @property
     def active(self) -> Bools:
-        """Whose episode goes on `(num_worlds, agents)`."""
+        """The agents whose episodes go on `(num_worlds, agents)`."""
         return self._is_on.copy()
 
     def reset(self, seed: int | Sequence[int] | None = None) -> tuple[ByAgent, ByAgent]:

@@ -177,7 +177,7 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
         return self._observations(), infos
 
     def _drawn(self, mask: Bools) -> dict[str, Any]:
-        """The true values that were drawn for the robots, and for which environments they are told."""
+        """The true values that were drawn for the robots, with masks of the environments in `mask`."""
         robots = [self.simulation.robot(self._robot_name, number).true for number in self.simulation.replicas]
         found: dict[str, Any] = {}
         for path in self._drawn_paths:

@@ -113,7 +113,7 @@ class Worlds:
         self._action[worlds] = 0.0
 
     def act(self, actions: Array, is_on: Bools) -> StepOutcome:
-        """Take actions `(W, A, a)`, of those that are on `(W, A)`; the others stand. The outcome, `(W * A,)`."""
+        """Take actions `(W, A, a)` of the robots that are on `(W, A)`; others stand. Returns the outcome `(W * A,)`."""
         self._action = np.where(is_on[:, :, None], np.clip(actions, self.low, self.high), 0.0)
         flat = self._action.reshape(-1, len(self.low))
         parts = [np.where(is_on, part.reshape(is_on.shape), 0.0) for part in self.task.velocities(flat)]

@@ -132,7 +132,7 @@ class Bitmap(MapLoader):
     def _stretched(
         self, classes: NDArray[np.uint8], side: float, other: str
     ) -> tuple[NDArray[np.uint8], tuple[str, ...]]:
-        """The classes of the cells that `size` asks for, each that of the pixel at its middle."""
+        """The classes of the cells for a given `size`: each that of the pixel at the cell's middle."""
         if self.size is None:
             return classes, () if self.resolution is not None else (_NO_RESOLUTION + other,)
         rows, columns = classes.shape
@@ -153,7 +153,7 @@ class Bitmap(MapLoader):
         return np.ascontiguousarray(classes[np.ix_(up, across)]), (remark,)
 
     def _classes(self, path: Path) -> tuple[NDArray[np.uint8], tuple[str, ...]]:
-        """The class of each pixel, (rows, columns) from the bottom, and remarks; the picture itself is let go of."""
+        """The class of each pixel, (rows, columns) from the bottom, and remarks; the picture is released."""
         picture = open_picture(path)
         paper = "black" if self.transparent == "black" else "white"
         threshold, remarks = self.threshold, picture.remarks
@@ -182,7 +182,7 @@ def _darker(threshold: float, white: int) -> Rule:
 
 
 def _ros_map_of(path: Path) -> str:
-    """Words on a map of ROS that may be meant in place of its picture; empty if none lies next to it."""
+    """A remark on a map of ROS next to its picture that may be meant instead; empty if there is none."""
     near = [path.with_suffix(suffix) for suffix in (".yaml", ".yml")]
     return next(
         (f"; or read {each.name}, which lies next to it, as a map of ROS" for each in near if is_file(each)), ""

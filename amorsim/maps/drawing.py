@@ -41,7 +41,7 @@ class Drawing:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """One remark on all that was left out, or none."""
+        """One remark on all that was left out; none if nothing was."""
         if not self._left_out:
             return ()
         return ("left out: " + ", ".join(f"{count} {what}" for what, count in self._left_out.items()),)

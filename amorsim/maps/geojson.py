@@ -171,7 +171,7 @@ class _Parts:
             self.remarks.append(f"{self._unclosed} rings of polygons end elsewhere than they begin; they are closed")
 
     def _inside(self, where: str, item: Any, about: Any) -> list[tuple[str, Any, Any]]:
-        """Take in a geometry, or the parts of something larger, with the properties that they have."""
+        """Read a geometry, or the parts of a larger object with its properties."""
         if not isinstance(item, dict):
             raise MapError(f"{where or 'the file'}: expected an object with a 'type', got {_shown(item)}")
         kind = item.get("type")

@@ -113,7 +113,7 @@ class Maz(MapLoader):
 
 
 def _read(line: str, number: int, below: int, walls: list[Wall], starts: list[tuple[float, float, float]]) -> None:
-    """Take in a line, whose cells' lower sides are `below` cells up."""
+    """Read a line of cells whose lower sides are `below` cells up."""
     for place, letter in enumerate(line, start=1):
         # Columns 2 n + 1 are the walls left of cell n, columns 2 n + 2 the cell itself.
         column, is_cell = divmod(place - 1, 2)

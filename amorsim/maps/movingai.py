@@ -108,7 +108,7 @@ class MovingAI(MapLoader):
         return cls(resolution=world.resolution, origin_x=x, origin_y=y, origin_yaw=yaw)
 
     def _table(self) -> NDArray[np.uint8]:
-        """For each letter 0 for free, 1 for occupied, 2 for none of a map."""
+        """For each letter 0 for free, 1 for occupied, and 2 if it is not a map's."""
         table = np.full(256, 2, np.uint8)
         table[list(_FREE)] = 0
         table[list(_BLOCKED)] = 1
@@ -138,7 +138,7 @@ class Problem:
 
     @property
     def is_reachable(self) -> bool:
-        """Whether there is a path; files have a length of 0 where there is none."""
+        """Whether there is a path; in files a length of 0 means that there is none."""
         return self.optimal > 0.0 or self.start == self.goal
 
 

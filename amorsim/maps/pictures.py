@@ -47,7 +47,7 @@ Rule = Callable[[Colours], NDArray[np.uint8]]
 
 @attrs.frozen(kw_only=True)
 class Picture:
-    """A picture. Pixels of one byte or of a deep grey are classified by a table of all that there may be."""
+    """A picture. Pixels of one byte or of a deep grey are classified by a table of all possible values."""
 
     image: Image.Image
     remarks: tuple[str, ...] = ()
@@ -66,7 +66,7 @@ class Picture:
 
     @property
     def has_opacity(self) -> bool:
-        """Whether pixels may be transparent. A BMP's fourth channel, which few programs fill in, is ignored."""
+        """Whether pixels may be transparent. A BMP's fourth channel, which few programs set, is ignored."""
         is_clear = self.image.mode in _CLEAR or "transparency" in self.image.info
         return is_clear and self.format != "BMP" and self.image.mode not in _DEEP
 
@@ -194,7 +194,7 @@ def _runs(pixels: NDArray[np.uint32]) -> tuple[NDArray[np.int64], NDArray[np.int
 
 
 def _values(image: Image.Image) -> NDArray[Any]:
-    """The values of pixels of one channel, as `Picture._table` counts them."""
+    """The values of pixels of one channel, as indices into `Picture._table`."""
     if image.mode in _DEEP:
         return np.asarray(image).clip(0, 0xFFFF).astype(np.uint16).ravel()
     return np.asarray(image if image.mode in ("L", "P") else image.convert("L")).ravel()
@@ -275,7 +275,7 @@ def _strips(path: Path, png: PngFile, rows: int) -> Iterator[tuple[int, Image.Im
 
 @contextlib.contextmanager
 def _complaints() -> Iterator[None]:
-    """Turns what pillow and zlib raise of a file into errors of maps."""
+    """A block in which errors of pillow and zlib about a file become errors of maps."""
     try:
         yield
     except Image.DecompressionBombError as error:

@@ -67,7 +67,7 @@ class PngFile(NamedTuple):
 
 
 def png_file(file: BinaryIO) -> PngFile | None:
-    """The content of a PNG file before its pixels, if it can be decoded in strips; None of any other file.
+    """The content of a PNG file before its pixels, if it can be decoded in strips; None for any other file.
 
     It can if its pixels have several channels of 8 bits, and if it is neither interlaced nor animated. The file is left
     where it was.

@@ -140,7 +140,7 @@ def _about(path: Path) -> MapYaml:
 
 
 def _decoded(data: bytes) -> str:
-    """The text: UTF-16 where it begins with its mark, else UTF-8, else Latin 1, in which every byte is a letter."""
+    """The text: UTF-16 if it begins with its mark, else UTF-8, else Latin 1, in which every byte is a letter."""
     if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return data.decode("utf-16", errors="replace")
     try:

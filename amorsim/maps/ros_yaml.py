@@ -20,7 +20,7 @@ _FLAGS = {"0": False, "1": True, "false": False, "true": True, "no": False, "yes
 
 @attrs.frozen(kw_only=True)
 class MapYaml:
-    """The file's content, checked; `lines` are where its keys stand."""
+    """The file's content, checked, with the `lines` of its keys."""
 
     image: str
     resolution: float  # [m]

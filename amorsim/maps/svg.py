@@ -170,7 +170,7 @@ def _viewport(root: ET.Element, box: tuple[float, float, float, float] | None) -
 
 
 def _keep_layers(root: ET.Element, names: set[str]) -> set[str]:
-    """Take out all but groups of these names, what they are in, and definitions; which names there are."""
+    """Remove all but groups of these names, their ancestors, and definitions; returns the names that were found."""
     found: set[str] = set()
 
     def keep(element: ET.Element) -> bool:

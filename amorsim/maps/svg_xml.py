@@ -1,4 +1,4 @@
-"""The XML of an SVG drawing: read strictly, and mended where svgelements would draw other shapes than a browser."""
+"""The XML of an SVG drawing, read strictly, and corrected where svgelements differs from browsers."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def length(text: str | None) -> tuple[float, str] | None:
 
 
 def prepare(root: ET.Element, lines: Lines, viewport: Viewport | None, drawing: Drawing) -> None:
-    """Take out what is not a wall, and count it; give percentages their lengths, and inner drawings their places.
+    """Remove and count what is not a wall; turn percentages into lengths, and place inner drawings.
 
     Raises
     ------
@@ -140,7 +140,7 @@ def prepare(root: ET.Element, lines: Lines, viewport: Viewport | None, drawing: 
 
 
 def _check_numbers(element: ET.Element, lines: Lines) -> None:
-    """Raise `MapError` if a shape's length or a transform is none: without it svgelements leaves the shape out."""
+    """Raise `MapError` for an invalid length or transform: svgelements would leave its shape out."""
     if local(element) in _MEASURED:
         for key in (*_ACROSS, *_UP, "r"):
             text = (element.get(key) or "").strip()
@@ -200,7 +200,7 @@ def _target(use: ET.Element) -> str:
 
 
 def _refuse_too_many_uses(root: ET.Element) -> None:
-    """Raise an error if elements that use others, which use others, would unpack to too many."""
+    """Raise an error if elements that use others, again and again, would expand to too many."""
     named = {element.get("id"): element for element in root.iter() if element.get("id")}
     weights: dict[ET.Element, float] = {}
 

@@ -1,4 +1,4 @@
-"""Maps with unknown cells: what these are to rays and bodies, an option that loaders share, and how they are made."""
+"""Maps with unknown cells: how rays and bodies treat them, an option shared by loaders, and how to make them."""
 
 from __future__ import annotations
 

@@ -290,7 +290,7 @@ class _Reader:
             self._add_wall(-length / 2, side, length / 2, side, frame)
 
     def _pass_over(self, words: list[str]) -> None:
-        """Do nothing: the statement describes nothing that blocks a robot."""
+        """Do nothing: the statement is not about anything that blocks a robot."""
 
 
 _STATEMENTS: dict[str, Callable[[_Reader, list[str]], None]] = {

@@ -1,4 +1,4 @@
-"""Line worlds as their authors wrote them: walls drawn, moved and deleted in the text, while all else stays."""
+"""Line worlds as their authors wrote them: walls are drawn, moved and deleted in the text, and the rest stays."""
 
 from __future__ import annotations
 

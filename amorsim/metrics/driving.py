@@ -1,4 +1,4 @@
-"""How the robot drove: how far, how smoothly, into what, and whether and when it arrived."""
+"""Metrics of driving: distance, smoothness, collisions, and whether and when the robot arrived."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a robot was put elsewhere in the middle of an episode, which it did not drive."""
+"""Places where a robot was put elsewhere in the middle of an episode, which it did not drive."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def jumps(episode: Episode) -> list[Jump]:
 
 
 def before_steps(episode: Episode) -> Array:
-    """The true poses `(S - 1, R, 3)` from which the robots drove in each step: where one was put, that pose."""
+    """The true poses `(S - 1, R, 3)` from which each step began; after a jump, the pose it led to."""
     poses = episode.kept["true_pose"][:-1].copy()
     for jump in jumps(episode):
         poses[jump.place, jump.row] = jump.pose

@@ -14,7 +14,7 @@ AT = ("end", "mean", "rms", "max", "median")
 
 
 def total(values: Array) -> Array:
-    """The sum over the first axis, one step after another; zero over none."""
+    """The sum over the first axis, in order; zero for no values."""
     if not len(values):
         return np.zeros(values.shape[1:])
     return np.asarray(np.add.accumulate(values, axis=0)[-1])

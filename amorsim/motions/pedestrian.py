@@ -151,7 +151,7 @@ class Pedestrian(Motion):
         return part * to_goal + (1.0 - part) * to_next, self._towards(place + way, state)
 
     def _part_to_goal(self, view: View, way: Array, dt: float, state: State) -> Array:
-        """The part `(N, 1)` of a step after which he has reached his goal or gives it up; 1 if he does neither."""
+        """The part `(N, 1)` of a step after which he reaches or gives up his goal; 1 if he does neither."""
         if not self._count:
             return np.ones((view.rows, 1))
         place = view.body_pose[:, :2]

@@ -130,7 +130,7 @@ class _Route(Motion):
         return int(np.shape(self.waypoints)[1])
 
     def _is_over(self, number: Ints) -> npt.NDArray[np.bool_]:
-        """Whether the last waypoint lies behind."""
+        """Whether the last waypoint was passed."""
         return number >= self._count()
 
     @abc.abstractmethod
@@ -139,7 +139,7 @@ class _Route(Motion):
 
     @abc.abstractmethod
     def _around(self) -> list[int]:
-        """The waypoints from one to the same one again, in order; none if it does not come back."""
+        """The waypoints of one round, in order; none if it does not come back."""
 
 
 @attrs.frozen(kw_only=True)

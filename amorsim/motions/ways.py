@@ -33,6 +33,6 @@ def facing(view: View, dx: Array, dy: Array, most: Array) -> Array:
 
 
 def blocked_for(view: View, dt: float, state: State) -> Array:
-    """Time [s] `(N, 1)` for which each has been blocked without a break, counted in ``state["blocked"]``."""
+    """The time [s] `(N, 1)` for which each has been blocked without a break, kept in ``state["blocked"]``."""
     state["blocked"] = np.where(view.free < 1.0, state["blocked"] + dt, 0.0)
     return state["blocked"]

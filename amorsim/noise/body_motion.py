@@ -85,7 +85,7 @@ def motion_squares(travel: Array, state: State) -> tuple[Array, Array]:
 
 
 def with_motion_error(travel: Array, way: Array, turn: Array, state: State) -> Array:
-    """Travels `(N, r)` [m] of wheels whose body goes `way` [m] farther and turns by `turn` [rad] more, `(N, 1)` each.
+    """Travels `(N, r)` [m] of wheels that move the body `way` [m] farther and turn it by `turn` [rad] more, `(N, 1)`.
 
     The body goes farther in its direction of motion, or ahead if it stands. Where `way` and `turn` are 0 the travels
     keep their bits.

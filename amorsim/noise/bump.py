@@ -108,7 +108,7 @@ class Bump(Noise):
 
 
 def _entered(side: Mapping[str, Array]) -> tuple[Array, Array]:
-    """Which wheels `(N, r)` enter the zone in this step, and which were inside before it."""
+    """Which wheels `(N, r)` enter the zone in this step, and which were inside before."""
     if "entered" not in side:
         raise ComponentError("Bump: expected at or rate, or to be in the ground of a zone; got none of them")
     return side["entered"], side["inside"]

@@ -1,4 +1,4 @@
-"""Cross-talk: a sonar takes the sound of other transducers for its own echo."""
+"""Cross-talk: a sonar mistakes the sound of other transducers for its echo."""
 
 from __future__ import annotations
 

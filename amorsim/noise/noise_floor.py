@@ -1,4 +1,4 @@
-"""Noise in which small values drown."""
+"""A noise floor: small values are lost in it."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ class Slip(Noise):
     )
 
     def start(self, context: Context) -> State:
-        """Number of steps made `(N, 1)`, and which of the rolling joints slip `(N, r)`, 1 or 0."""
+        """State: the number of steps made `(N, 1)`, and which of the rolling joints slip `(N, r)`, 1 or 0."""
         steps = np.zeros((context.rows, 1), dtype=np.int64)
         return {"steps": steps, "slips": chosen("Slip", self.joint, context)}
 

@@ -1,4 +1,4 @@
-"""Echoes that never come back."""
+"""Specular loss: echoes that do not return."""
 
 from __future__ import annotations
 

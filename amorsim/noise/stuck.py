@@ -41,12 +41,12 @@ class Stuck(Noise):
     )
 
     def start(self, context: Context) -> State:
-        """Which values are frozen `(N, k)`, and those reported last `(N, k)`."""
+        """State: which values are frozen `(N, k)`, and the last reported ones `(N, k)`."""
         shape = (context.rows, context.size)
         return {"frozen": np.zeros(shape, dtype=bool), "last": np.zeros(shape)}
 
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
-        """The values `(N, k)`, or what was reported before in place of the frozen ones."""
+        """The values `(N, k)`, with the last reported ones in place of those that are frozen."""
         k = values.shape[1]
         chance = draws.uniform(k if self.scope == "value" else 1)
         recovery = 1.0 / self.duration

@@ -83,7 +83,7 @@ def _why_blocked(cells: Cells, name: str, x: float, y: float, place: int) -> str
 
 
 def are_joined(free: Bytes, width: int, start: int, goal: int) -> bool:
-    """Whether free cells lead from one to the other, by steps that cut no corner."""
+    """Whether free cells connect two cells by steps that cut no corner."""
     search = new_search(free, start)
     status = GOING_ON
     while status == GOING_ON:
@@ -92,7 +92,7 @@ def are_joined(free: Bytes, width: int, start: int, goal: int) -> bool:
 
 
 def why_unreachable(cells: Cells, start: int, goal: int) -> str:
-    """Whether a smaller footprint would find a path, and which."""
+    """The message why there is no path: whether a smaller footprint would find one, and which."""
     plain = "no free cells lead from start to goal"
     if cells.gaps is None:
         return plain

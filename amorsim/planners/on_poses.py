@@ -51,7 +51,7 @@ class Query:
         return gaps
 
     def blocked(self, name: str, pose: Pose) -> Plan | None:
-        """The plan for a start or goal, `name`, that is blocked, or None if it is free."""
+        """The plan for a blocked start or goal, `name`; None if it is free."""
         x, y, heading = pose
         gap = float(self.gaps(np.array([pose]))[0])
         if gap >= self.clearance:
@@ -82,7 +82,7 @@ class Query:
         return float(outline.exterior.distance(centre)) if outline.contains(centre) else 0.0
 
     def narrow_place(self, ends: Ends, *, is_proven: bool = False) -> str:
-        """Which disc would pass between start and goal, if the one within the footprint does not; else empty.
+        """The disc that would pass between start and goal, if one within the footprint does not; else empty.
 
         By cells of the map, so a disc that is larger by a cell may pass as well. With `is_proven`, it is known that the
         disc does not pass.
@@ -115,7 +115,7 @@ class PosePlanner(Planner):
     def query(
         self, world: Map, start: Sequence[float], goal: Sequence[float], footprint: Shape | None
     ) -> tuple[Query, Ends]:
-        """The question, as far as it can be asked; a heading that is not given is that of the line from start to goal.
+        """The query, as far as it is valid; a missing heading is that of the line from start to goal.
 
         Raises
         ------

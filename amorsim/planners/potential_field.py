@@ -25,7 +25,7 @@ Array = npt.NDArray[np.float64]
 
 @attrs.frozen(kw_only=True, eq=False)
 class Potential:
-    """The potential of a goal on a map, and the places where a robot that goes downhill comes to rest."""
+    """The potential of a goal on a map, and the places at which a robot going downhill stops."""
 
     values: Array
     """(rows, cols), row 0 lowest; inf in cells that are not free."""
@@ -130,7 +130,7 @@ def _steps(width: int) -> tuple[int, ...]:
 
 
 def _steepest(cells: Cells, values: Array, cell: int) -> int:
-    """The neighbour to which it is steepest down, by a step that cuts no corner; the cell itself if none is lower."""
+    """The neighbour with the steepest descent by a step that cuts no corner; the cell itself if none is lower."""
     best, most = cell, 0.0
     for up in (0, cells.width, -cells.width):
         for across in (0, 1, -1):

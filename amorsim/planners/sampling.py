@@ -1,4 +1,4 @@
-"""What planners by random samples share: their fields, their statuses, and how places become a path."""
+"""Shared by planners with random samples: their fields, their statuses, and how places become a path."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Array = npt.NDArray[np.float64]
 
 
 class Grown(NamedTuple):
-    """What samples came to, in cells from the map's lower left corner."""
+    """The result of sampling, in cells from the map's lower left corner."""
 
     path: Array | None
     """(M, 2) from start to goal; None if the budget was used up before."""
@@ -113,7 +113,7 @@ class SamplingPlanner(CellPlanner):
 
 
 def _inner(cells: Cells, place: Array) -> Array:
-    """The place, or the centre of its cell if the place lies on a border behind which is a blocked one."""
+    """The place, or its cell's centre if the place is on a border to a blocked cell."""
     centre = np.floor(place) + 0.5
     is_seen = is_open_line(cells.free, cells.width, *place.tolist(), *centre.tolist())
     return place if is_seen else centre

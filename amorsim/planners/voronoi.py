@@ -38,7 +38,7 @@ class Voronoi(GridPlanner):
 
 
 def _widest(cells: Cells, gaps: npt.NDArray[np.int32], start: int, goal: int) -> int | None:
-    """The largest squared gap [cells^2] that a path from start to goal can keep; None without a path."""
+    """The largest squared gap [cells^2] that some path from start to goal keeps; None without a path."""
     steps = np.unique(gaps[cells.free.view(np.bool_)])
     steps = steps[steps <= min(gaps[start], gaps[goal])]
     low, high = -1, len(steps)

@@ -50,7 +50,7 @@ def check_name(name: object) -> str:
 
 
 def check_class(kind: str, contract: type, cls: Any) -> tuple[str, ...]:
-    """The problems of a class as a component of a kind, with what was found and expected; empty if none."""
+    """The problems of a class as a component of a kind: what was found and what was expected; empty if none."""
     expected = f"amorsim.contracts.{contract.__name__}"
     if not isinstance(cls, type):
         return (f"expected a subclass of {expected}, got {cls!r}",)
@@ -210,7 +210,7 @@ def _check_field(parameter: Parameter) -> Iterator[str]:
 
 
 def _check_component(parameter: Parameter) -> Iterator[str]:
-    """A field that is a component: of a known kind, and annotated with its contract or a class of it."""
+    """The problems of a field that holds a component: its kind is unknown, or its annotation is not of the contract."""
     contracts: tuple[type, ...] = (Planner, Controller, Estimator, Motion, Task)
     contract = dict(zip(COMPONENTS, contracts, strict=True)).get(parameter.component)
     if contract is None:

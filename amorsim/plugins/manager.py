@@ -123,7 +123,7 @@ def _wanted(names: list[str], disabled: str | None, registry: Registry) -> set[s
 
 
 def _load(plugin: Plugin, load: Callable[[], Any], manager: pluggy.PluginManager, registry: Registry) -> Any:
-    """The plugin's module, taken in by the manager, or None if that failed."""
+    """The plugin's module, registered with the manager; None if that failed."""
     # A plugin is foreign code: anything that it raises, even an attempt to exit, counts as its own failure.
     try:
         module = load()
@@ -144,7 +144,7 @@ def _load(plugin: Plugin, load: Callable[[], Any], manager: pluggy.PluginManager
 def _hooks_of(
     plugin: Plugin, module: Any, manager: pluggy.PluginManager, registry: Registry
 ) -> Mapping[str, Callable[..., Any]]:
-    """The plugin's hooks by name, after it has registered what it brings."""
+    """The plugin's hooks by name, after it has registered its components."""
     _report_strays(plugin, module, manager, registry)
     others = [other for other in manager.get_plugins() if other is not module]
     callers = manager.get_hookcallers(module) or []

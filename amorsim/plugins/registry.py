@@ -137,7 +137,7 @@ class Registry:
         self._add("world_generator", name, cls)
 
     def motion(self, name: str, cls: type[Motion] | str) -> None:
-        """Register a way in which obstacles move."""
+        """Register a motion of obstacles."""
         self._add("motion", name, cls)
 
     def estimator(self, name: str, cls: type[Estimator] | str) -> None:
@@ -181,7 +181,7 @@ class Registry:
 
     @contextlib.contextmanager
     def registering(self, plugin: Plugin) -> Iterator[None]:
-        """Within the context, registrations belong to this plugin, and failures are problems, not errors."""
+        """A block in which registrations belong to this plugin, and failures are problems instead of errors."""
         self._plugins.append(plugin)
         self._current = plugin
         try:

@@ -82,4 +82,4 @@ class Arrays(Recorder):
                 write_bytes(folder / name / f"{tick:09d}{part}.npz", data.getvalue())
 
     def close(self) -> None:
-        """Nothing is open."""
+        """Does nothing: no file is open."""

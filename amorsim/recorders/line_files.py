@@ -1,4 +1,4 @@
-"""Text files to which whole lines are appended, so that a process may be killed at any time."""
+"""Text files to which complete lines are appended, so that a process may be killed at any time."""
 
 from __future__ import annotations
 
@@ -129,7 +129,7 @@ class LineFiles:
         self._problem: Exception | None = None
 
     def add(self, name: str, path: Path, header: str) -> None:
-        """Make a file; `write` then knows it by `name`."""
+        """Make a file, to be written by its `name`."""
         file = LineFile(path, header)
         with self._lock:
             self._files[name] = file

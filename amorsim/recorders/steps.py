@@ -60,7 +60,7 @@ class Steps:
 
 
 class BodySteps(Steps):
-    """Steps of bodies whose poses alone are written."""
+    """Steps of bodies of which only poses are written."""
 
     def __init__(self, names: Sequence[str], replicas: npt.NDArray[np.int64]) -> None:
         super().__init__(names, replicas, [("time", 1), ("true_pose", 3)])

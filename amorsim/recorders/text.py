@@ -144,7 +144,7 @@ class Text(Recorder):
             self._files.write("events", "".join(self._event(event) for event in events))
 
     def write_obstacles(self, frames: Sequence[ObstacleFrame]) -> None:
-        """Write a line for each obstacle that moves; at the start, for the others too."""
+        """Write a line for each obstacle that moves, at the start also for the others."""
         if not frames or self._run is None:
             return
         if self._obstacles is None:
@@ -171,7 +171,7 @@ class Text(Recorder):
             self._write_steps()
 
     def _write_steps(self) -> None:
-        """Make lines of the kept steps, and forget the steps; after an interrupt the next call goes on from there."""
+        """Write the kept steps as lines, and forget them; after an interrupt the next call continues."""
         if not self._todo:
             previous = [self._reckon(group) if group.steps.count else group.previous for group in self._groups]
             todo = list(self._pages().items())
@@ -283,7 +283,7 @@ class Text(Recorder):
     # ------------------------------------------------------------------------------------- what follows from the steps
 
     def _reckon(self, group: Group) -> dict[str, Array]:
-        """Fill in the derived quantities of the table; returns the last values, which the next steps need.
+        """Compute the derived quantities of the table; returns the last values, which the next steps need.
 
         These are the body's estimated velocities; the joints' measured velocities, nan where nothing was measured; and
         the times at which samples were taken.
@@ -349,7 +349,7 @@ class Text(Recorder):
 
 
 def _plain(value: Any) -> Any:
-    """JSON form of a value that JSON does not know: the fields of a `Deviation` or a `Distribution`."""
+    """A value in a form for JSON: the fields of a `Deviation` or a `Distribution`."""
     return attrs.asdict(value, recurse=False) if attrs.has(type(value)) else str(value)
 
 

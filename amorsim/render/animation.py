@@ -41,7 +41,7 @@ _OBSTACLE, _OBSTACLE_EDGE = "#f0c9a0", "#a8652a"
 
 @attrs.frozen(kw_only=True, eq=False)
 class Shown:
-    """A body in a moving picture: its outline (V, 2) [m] in its own frame, and what it is drawn as.
+    """A body in an animation: its outline (V, 2) [m] in its own frame, and its style.
 
     A part of a robot is drawn as one, beneath it, without a trail and a line ahead.
     """

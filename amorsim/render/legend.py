@@ -1,4 +1,4 @@
-"""What the legend of a run's picture explains, and how a sample of each thing is drawn."""
+"""The entries of a picture's legend, and the sample drawn for each."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Item:
 def items_of(
     names: Sequence[str], *, true: bool, estimated: bool, zones: int, kinds: Collection[str], hits: int
 ) -> list[Item]:
-    """The entries for what is in a picture and nothing else.
+    """The entries for those things that are in a picture.
 
     Parameters
     ----------

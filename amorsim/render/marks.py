@@ -62,7 +62,7 @@ def draw_start(canvas: Canvas, place: Points, unit: float) -> None:
 
 
 def draw_true_end(canvas: Canvas, place: Points, unit: float) -> None:
-    """A disc."""
+    """Draw the disc at the end of a true path."""
     canvas.line(place[np.newaxis], "white", 20 * unit)
     canvas.line(place[np.newaxis], COLOURS["true"], 15 * unit)
 
@@ -99,6 +99,6 @@ def draw_patch(canvas: Canvas, patch: Patch, points: Points, scale: float, unit:
 
 
 def draw_body(canvas: Canvas, outline: Points, unit: float, colour: str | None = None) -> None:
-    """An outline filled with the body's own colour, or tinted, what is beneath showing through."""
+    """Draw an outline filled with the body's own colour, or tinted so that what is beneath shows through."""
     canvas.polygon(outline, colour or COLOURS["body"], opacity=0.8)
     canvas.line(np.concatenate((outline, outline[:1])), COLOURS["true"], 3 * unit)

@@ -115,7 +115,7 @@ class Page:
         self._canvas = Canvas(*self._size)
 
     def _lay_out(self, size: int) -> None:
-        """Share the sheet out: the legend takes the lines that it needs, the plot what is left."""
+        """Divide the sheet: the legend takes the lines that it needs, the plot the rest."""
         width, height = self._high - self._low
         top = self._margin + (round(1.3 * self._line_height) if self._title else 0)
         items = self.items()
@@ -153,14 +153,14 @@ class Page:
     # ------------------------------------------------------------------------------------------ plot
 
     def draw_floor(self) -> None:
-        """Paint what is free, and what lies outside the map."""
+        """Paint the free area, and the area outside the map."""
         self._canvas.frame = self._plot
         self._canvas.rectangle(self._plot, COLOURS["outside"])
         (left, top), (right, bottom) = self._in_plot(np.array([(0.0, self._map.size[1]), (self._map.size[0], 0.0)]))
         self._canvas.rectangle((left, top, right, bottom), "white")
 
     def draw_walls(self) -> None:
-        """Paint what is occupied, over the patches and zones of the floor."""
+        """Paint the occupied cells, over patches and zones of the floor."""
         canvas = self._canvas
         canvas.frame = self._plot
         left, bottom = self._in_plot(np.zeros((1, 2)))[0]
@@ -210,7 +210,7 @@ class Page:
             marks.draw_collision(canvas, place, unit)
 
     def _view(self) -> tuple[Points, Points]:
-        """The corners (low, high) of what is shown, in the map's frame [m]."""
+        """The corners (low, high) of the shown area, in the map's frame [m]."""
         size = np.asarray(self._map.size)
         seen = [np.array([(0.0, 0.0), self._map.size])]
         for path in self._paths:
@@ -221,7 +221,7 @@ class Page:
         return -np.minimum(below + room, most), size + np.minimum(above + room, most)
 
     def _to_local(self, points: Points) -> Points:
-        """World metres to metres in the map's frame; what is not finite becomes nan."""
+        """World metres to metres in the map's frame; values that are not finite become nan."""
         x, y, yaw = self._map.origin
         offsets = np.where(np.isfinite(points), points, np.nan)
         # Numbers of a run that went to pieces are brought to where they still are far away but can be drawn.
@@ -295,7 +295,7 @@ class Page:
         return self._sample_width(item) + float(self._font.getlength(item.text)) + 0.8 * self._line_height
 
     def _wrapped(self, items: Sequence[Item], width: float, reserved: float) -> list[list[Item]]:
-        """The legend's lines, of at most `width` [px], the first less what is reserved, or of one item."""
+        """The legend's lines, at most `width` [px] long, the first one less the reserved part; or of one item."""
         lines: list[list[Item]] = [[]]
         left = width - reserved
         for item in items:
@@ -342,7 +342,7 @@ class Page:
 
 
 def _thickened(pixels: NDArray[np.bool_], by: int) -> NDArray[np.bool_]:
-    """What is true grown by a number of pixels in each axis, half of them on either side."""
+    """The true pixels grown by a number of pixels along each axis, half of them on either side."""
     grown = pixels
     for axis in (0, 1):
         source = np.moveaxis(grown, axis, 0)

@@ -1,4 +1,4 @@
-"""Reading a picture that lies in somebody's folder."""
+"""Reading a picture file of a user."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The picture of a plan: the map, what was searched, and the path."""
+"""The picture of a plan: the map, the searched places, and the path."""
 
 from __future__ import annotations
 

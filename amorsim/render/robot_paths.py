@@ -17,7 +17,7 @@ Points = NDArray[np.float64]
 
 
 def points_of(value: Any) -> Points:
-    """A float copy, (T, 2); no points for nothing at all."""
+    """A float copy, (T, 2); no points for an empty argument."""
     points = np.array(value, np.float64)
     return points.reshape(0, 2) if points.size == 0 else points
 
@@ -52,5 +52,5 @@ class RobotPath:
 
 
 def finite(points: Points) -> Points:
-    """Those of some points that have no number that is not finite."""
+    """The points all of whose numbers are finite."""
     return points[np.all(np.isfinite(points), axis=1)]

@@ -1,4 +1,4 @@
-"""What stands about in the picture of a run: obstacles, landmarks and lamps."""
+"""Obstacles, landmarks and lamps in the picture of a run."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ def round_length(about: float) -> float:
 
 
 def in_words(metres: float) -> str:
-    """A length as people say it: 2 km, 5 m, 20 cm, 1 mm."""
+    """A length in words: 2 km, 5 m, 20 cm, 1 mm."""
     for unit, size in (("km", 1000.0), ("m", 1.0), ("cm", 0.01)):
         if metres >= size * (1 - 1e-9):
             return f"{metres / size:g} {unit}"

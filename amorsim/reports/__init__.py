@@ -1,1 +1,1 @@
-"""Reports: one HTML file for a run, a study or a comparison, which needs nothing but itself."""
+"""Reports: one HTML file, complete in itself, for a run, a study or a comparison."""

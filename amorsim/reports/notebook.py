@@ -1,4 +1,4 @@
-"""What a notebook shows of a value as the last line of a cell: a picture or a table, with plain text beside it."""
+"""What a notebook shows of a value in the last line of a cell: a picture or a table, with plain text."""
 
 from __future__ import annotations
 

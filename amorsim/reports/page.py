@@ -1,4 +1,4 @@
-"""A page of HTML in one file: headings, tables, pictures; it loads nothing, and runs no script."""
+"""A page of HTML in one file: headings, tables, pictures; it loads nothing and runs no script."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Reports of whatever lies in a folder."""
+"""Reports of the content of a folder."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _KINDS = (("run.json", run_page), ("study.json", study_page), ("comparison.json"
 
 
 def report(folder: str | os.PathLike[str], out: str | os.PathLike[str] | None = None) -> Path:
-    """Write one HTML file about a run, a study or a comparison; returns where it lies.
+    """Write one HTML file about a run, a study or a comparison; returns its path.
 
     It holds its pictures, loads nothing, and is the same whenever it is made of the same files.
 

@@ -1,4 +1,4 @@
-"""The report of what an estimator made of a log."""
+"""The report of an estimator's work on a log."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ _MOST_POINTS, _MOST_METRICS, _MOST_LETTERS = 200, 12, 200_000
 
 
 def study_page(folder: Path) -> Page:
-    """The page of a study in a folder; raises `StudyError` if it is none of a study."""
+    """The page of a study in a folder; raises `StudyError` if it is not a study's."""
     study = read_study(folder)
     about = study.about
     points = np.unique(study["point"])
@@ -177,7 +177,7 @@ def _metric(each: dict[str, Any]) -> str:
 
 
 def _origin(page: Page, origin: dict[str, Any]) -> None:
-    """How a comparison was made; nothing where its file does not contain it."""
+    """How a comparison was made; empty if its file does not say so."""
     if not origin:
         return
     page.heading("How it was made")

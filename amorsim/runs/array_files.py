@@ -25,7 +25,7 @@ _BROKEN = (OSError, ValueError, EOFError, NotImplementedError, RuntimeError, zip
 
 
 def read_arrays(path: Path) -> dict[str, npt.NDArray[Any]]:
-    """The arrays of a file by name, whose first axis are the rows; of numbers, flags and texts.
+    """The arrays of a file by name, of numbers, flags and texts; the first axis is the row.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def _parts(file: zipfile.ZipFile, path: Path) -> dict[str, zipfile.ZipInfo]:
 
 
 def _array(data: bytes, name: str) -> npt.NDArray[Any]:
-    """An array from the bytes of its file, whose header may promise more than there is."""
+    """An array from the bytes of its file; the header may promise more than there is."""
     stream = io.BytesIO(data)
     version = np.lib.format.read_magic(stream)
     if version not in _HEADERS:

@@ -52,7 +52,7 @@ class Difference:
 
 
 def first_difference(before: Path, after: Path, dt: float) -> Difference | None:
-    """The earliest difference between the results in two runs' folders; None if they agree to the letter.
+    """The first difference between the results in two runs' folders; None if they are equal to the letter.
 
     Results are text files and arrays of beliefs. Of differences at one time, commands count as first, then readings,
     because these cause the others.
@@ -173,7 +173,7 @@ def _opened(path: Path) -> TextIO:
 
 
 def _lines(file: TextIO) -> Iterator[str]:
-    """The lines of a file; one that is too long to be one of a run comes in parts."""
+    """The lines of a file; one too long for a run's file comes in parts."""
     return iter(lambda: file.readline(LONGEST_LINE), "")
 
 

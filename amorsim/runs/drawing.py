@@ -97,7 +97,7 @@ def _index_of(simulation: Simulation, replica: int | None) -> int:
 
 
 def _ways(simulation: Simulation, index: int, kept: Mapping[str, npt.NDArray[Any]], name: str) -> Array:
-    """The places `(T, M, 2)` [m] that the robots of a replica have been at, or believed they were."""
+    """The places `(T, M, 2)` [m] along the true or the estimated paths of a replica's robots."""
     robots = len(simulation.names)
     rows = robots * len(simulation.replicas)
     poses = kept.get(name, np.empty((0, rows, 3)))

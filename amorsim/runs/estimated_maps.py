@@ -1,4 +1,4 @@
-"""The maps that a run's robots have drawn, as files for ROS."""
+"""The maps that a run's robots drew, as files for ROS."""
 
 from __future__ import annotations
 

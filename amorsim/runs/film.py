@@ -15,7 +15,7 @@ __all__ = ["Film", "bodies_in", "poses_in"]
 
 
 def bodies_in(simulation: Simulation) -> list[Shown]:
-    """What moves in each replica: robots, obstacles, and the robots' parts."""
+    """The moving bodies of each replica: robots, obstacles, and the robots' parts."""
     scenario, world = simulation.scenario, simulation._fleet.world
     owners = (world.name(owner) for owner in world.owner[: world.count].tolist())
     bodies = list(zip(owners, world.shapes, strict=True))

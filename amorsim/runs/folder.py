@@ -116,7 +116,7 @@ def _text(about: Mapping[str, Any]) -> str:
 
 
 class RunFolder:
-    """A folder that belongs to one run from now on: `path` exists and holds a new, whole ``run.json``.
+    """A folder that belongs to one run: `path` exists and has a new, complete ``run.json``.
 
     Parameters
     ----------
@@ -169,7 +169,7 @@ class RunFolder:
         return RunError(f"{self.path}: cannot make this folder for the run ({error.strerror or error})")
 
     def give_back(self) -> None:
-        """Remove what was made: for a run that did not begin. Only files of this run can be in it."""
+        """Remove what was made, for a run that did not begin; all files in it are this run's."""
         for file in sorted(self.path.rglob("*"), reverse=True):
             with contextlib.suppress(OSError):
                 file.rmdir() if file.is_dir() else file.unlink()
@@ -181,7 +181,7 @@ class RunFolder:
                 folder.rmdir()
 
     def write_about(self, about: Mapping[str, Any]) -> None:
-        """Write ``run.json``, which is whole at any moment.
+        """Write ``run.json`` so that it is complete at any moment.
 
         Raises
         ------
@@ -232,7 +232,7 @@ def _own_tables(folder: Path) -> list[Path]:
 
 
 def last_time(folder: Path) -> float:
-    """The time [s] up to which all of a run's own tables have lines, except tables of occasional things.
+    """The time [s] up to which all of a run's own tables have lines; tables of occasional things do not count.
 
     0 if one has none. A slow sensor's table ends before the others, even if it is complete.
     """

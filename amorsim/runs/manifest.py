@@ -49,7 +49,7 @@ def _are_replicas(value: Any) -> bool:
 
 
 def _are_inputs(value: Any) -> bool:
-    """Whether these are fingerprints of files in the folder, and of none elsewhere."""
+    """Whether these are fingerprints of files in the folder, none of them elsewhere."""
     if not table_of(is_text)(value):
         return False
     paths = [PurePosixPath(name) for name in value]
@@ -88,7 +88,7 @@ RUN_FOLDER = "the folder of a run"
 
 
 def read_about(folder: str | os.PathLike[str]) -> dict[str, Any]:
-    """The content of a folder's ``run.json``; keys that amorsim does not know are kept as they are.
+    """The content of a folder's ``run.json``, with keys that amorsim does not know kept as they are.
 
     Raises
     ------

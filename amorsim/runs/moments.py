@@ -20,7 +20,7 @@ FARTHEST = 1 << 23  # [bytes] that `last` looks back
 
 
 class TimedLines:
-    """The lines of a text file of a run, found by their time: nothing but some blocks of it is ever in memory.
+    """The lines of a run's text file, found by their time; only some blocks are ever in memory.
 
     Lines stand in the order of their times, so that a time is found by halving. What follows the last line end is left
     out: the run was killed while it was written. A line without a time, or with another number of cells than the header
@@ -85,7 +85,7 @@ class TimedLines:
         return self._found
 
     def last(self, time: float, is_wanted: Callable[[Cells], bool]) -> Cells | None:
-        """The last line at or before `time` [s] that is wanted; None if there is none in the 8 MiB before it."""
+        """The last wanted line at or before `time` [s]; None if there is none in the 8 MiB before it."""
         end = self._first(math.nextafter(time, math.inf))
         limit = max(self._start, end - FARTHEST)
         size = FEW  # mostly, one of the last lines is wanted
@@ -120,7 +120,7 @@ class TimedLines:
     # --------------------------------------------------------------------------------------------------------- search
 
     def _first(self, time: float) -> int:
-        """Where the first line begins whose time is at least `time`; the end of the lines if there is none."""
+        """Where the first line of at least `time` begins; the end of the lines if there is none."""
         low, high = self._start, self._end
         if self._hint[0] <= time:  # moments are mostly asked for one after the other
             low = self._hint[1]

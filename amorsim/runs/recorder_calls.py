@@ -1,4 +1,4 @@
-"""Calls of a run's recorders; the error of one names it."""
+"""Calls of a run's recorders; an error names the recorder."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def ask(recorder: Recorder, method: str, *given: Any) -> Any:
 
 
 def fresh(recorder: Recorder) -> Recorder:
-    """A recorder for one run; raises as `ask`, and if it is none."""
+    """A recorder for one run; raises as `ask`, and if it is not a recorder."""
     found = ask(recorder, "fresh")
     if not isinstance(found, Recorder):
         raise ComponentError(f"recorder {type(recorder).__name__}: fresh() gave {in_words(found)}; expected a recorder")

@@ -91,7 +91,7 @@ class Replay:
         return replica
 
     def _give_commands(self) -> None:
-        """Commands stand in the file at the tick that they led to."""
+        """Give the commands of a tick: the file has them at the tick that they led to."""
         simulation = self._simulation
         wanted = simulation.tick + 1
         while self._next is not None:

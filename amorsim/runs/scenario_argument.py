@@ -1,4 +1,4 @@
-"""The ways in which a user may name a scenario: a file, also another program's, a bundled name, or a map alone."""
+"""The names that a user may give a scenario: a file, also another program's, a bundled name, or a map alone."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ __all__ = [
 
 
 def is_map_alone(name: str) -> bool:
-    """Whether a user means a map by `name`, and no scenario."""
+    """Whether `name` is that of a map, not of a scenario."""
     return _is_map(name)
 
 
@@ -79,7 +79,7 @@ def _check_option(name: str, value: float) -> None:
 
 
 def _options(name: str, resolution: float | None) -> dict[str, Any] | None:
-    """The options of the map that `name` means, or None if it means a scenario."""
+    """The options of the map with that `name`; None if it is a scenario's."""
     if _is_map(name):
         _check_map(Path(name))
         return {} if resolution is None else {"resolution": resolution}
@@ -130,7 +130,7 @@ def _with_resolution(name: str, resolution: float | None, changes: Sequence[str]
 
 
 def read_scenario(name: str, *, resolution: float | None = None, changes: Sequence[str] = ()) -> Scenario:
-    """The scenario that a user means by `name`."""
+    """The scenario that a user named."""
     from amorsim.scenario.reading.read import load, scenario_for_map
 
     options = _options(name, resolution)
@@ -142,7 +142,7 @@ def read_scenario(name: str, *, resolution: float | None = None, changes: Sequen
 def scenario_document(
     name: str, target: Path, scenario: Scenario, *, resolution: float | None = None, changes: Sequence[str] = ()
 ) -> Document:
-    """The scenario that a user means by `name`, and that was read as `scenario`, as a document to save at `target`."""
+    """The document of the scenario that a user named and that was read as `scenario`, to save at `target`."""
     from amorsim.plugins.manager import default_registry
     from amorsim.scenario.documents.converted import converted
 
@@ -151,7 +151,7 @@ def scenario_document(
 
 
 def read_world(name: str, *, resolution: float | None = None, changes: Sequence[str] = ()) -> Map:
-    """The map that a user means by `name`: its own if that is a map, else the one of the scenario."""
+    """The map that a user named: its own, or that of the scenario of that name."""
     from amorsim.scenario.reading.read import load, read_map_alone
 
     options = _options(name, resolution)
@@ -171,7 +171,7 @@ def look_up_world(name: str, *, seed: int = 0, resolution: float | None = None, 
 
 
 def read_any_world(name: str, *, seed: int = 0, resolution: float | None = None, changes: Sequence[str] = ()) -> Map:
-    """As `read_world`; or else, by the name of a world generator, its world with this seed.
+    """As `read_world`; or else the world, with this seed, of the generator of that name.
 
     Changes of a generator's fields are spelt as those of a world: ``world.corridor=1.5``.
     """
@@ -199,7 +199,7 @@ def _of_generator(resolution: float | None, changes: Sequence[str]) -> list[str]
 
 
 def make_simulation(scenario: Scenario, replicas: int | Sequence[int] = 1, threads: int = 1) -> tuple[Simulation, str]:
-    """The simulation of a scenario, and a remark for the user, or nothing."""
+    """The simulation of a scenario, and a remark for the user, or empty."""
     from amorsim.scenario.reading.worlds import is_free_at
     from amorsim.simulation.simulation import Simulation
 
@@ -217,7 +217,7 @@ def make_simulation(scenario: Scenario, replicas: int | Sequence[int] = 1, threa
 
 
 def placed(scenario: Scenario) -> Scenario:
-    """A scenario whose bodies have the poses at which replica 0 begins, in place of starts that are drawn."""
+    """The scenario with the poses at which replica 0 begins, in place of random starts."""
     import attrs
 
     from amorsim.contracts import Frame, ObstacleFrame

@@ -92,7 +92,7 @@ def record(
 
 @checked
 class RunSession:
-    """A run that is being recorded; made by `record`. As a context manager it closes itself.
+    """A run that is being recorded, made by `record`. As a context manager it closes itself.
 
     Attributes
     ----------
@@ -275,7 +275,7 @@ class RunSession:
             raise problem
 
     def _end(self, status: str, problem: str = "") -> None:
-        """Say how the run ended, and what went wrong with its files."""
+        """Write how the run ended, and what went wrong with its files."""
         simulation, steps = self._simulation, self.steps
         if self._has_lost_lines:
             steps = min(steps, round(last_time(self.folder) / simulation.dt))
@@ -328,7 +328,7 @@ class RunSession:
             error.add_note(self._files_reach())
 
     def _files_reach(self) -> str:
-        """The time up to which the files go, in words."""
+        """The time of the files' last lines, in words."""
         dt = self._simulation.dt
         if self._has_lost_lines and self._summary is not None:
             end = self._summary.steps * dt
@@ -348,7 +348,7 @@ class RunSession:
 
 
 def run_name(scenario: Scenario) -> str:
-    """Name of a scenario in titles and folders: that of its file, or else of its map."""
+    """The name of a scenario in titles and folders: that of its file, or else of its map."""
     return scenario.source.stem if scenario.source else scenario.map.name or "run"
 
 

@@ -32,7 +32,7 @@ _TWIST = ("forward", "left", "turn")
 
 @attrs.frozen
 class _Kind:
-    """Format of the files of one kind: required columns, and those that hold finite numbers only."""
+    """The format of one kind of file: its required columns, and those with finite numbers only."""
 
     finite: tuple[str, ...]
     others: tuple[str, ...]
@@ -203,7 +203,7 @@ def _opened(path: Path) -> Any:
 
 
 def _blocks(path: Path) -> Iterator[tuple[int, list[str]]]:
-    """The whole lines of a file, many at a time, with the number of the first; the header comes alone."""
+    """The complete lines of a file, many at a time, with the number of the first; the header comes by itself."""
     with _opened(path) as file:
         rest, number = b"", 1
         while True:
@@ -238,7 +238,7 @@ def _decoded(path: Path, number: int, data: bytes) -> str:
 
 
 def _header(path: Path, blocks: Iterator[tuple[int, list[str]]], name: str, with_replicas: bool = False) -> list[str]:
-    """The names of the columns; those that a file of this kind must have are there."""
+    """The names of the columns; raises if one that this kind of file requires is missing."""
     _, lines = next(blocks, (1, [""]))
     header = lines[0].removeprefix("\N{BOM}").split(",")
     for column in header:
@@ -290,7 +290,7 @@ def _split(path: Path, first: int, lines: list[str], count: int) -> list[str]:
 def _converted(
     path: Path, first: int, column: str, cells: list[str], kind: _Kind | None, name: str, texts: dict[str, str]
 ) -> npt.NDArray[Any]:
-    """The cells of one column as an array; `first` is the number of the line of the first."""
+    """The cells of one column as an array; `first` is the number of their first line."""
 
     def damaged(place: int, expected: str) -> RunError:
         return Line(path, first + place, {}).damaged(column, f"expected {expected}, got {_shown(cells[place])}")

@@ -163,7 +163,7 @@ def things_of(simulation: Simulation, replica: int) -> list[Thing]:
 
 
 def paths_at_start(scenario: Scenario) -> list[RobotPath]:
-    """The robots of a scenario at their starts, as pictures want them; without those whose start is yet to be found."""
+    """The robots at their starts, in the form for pictures; without those whose start is still unknown."""
     colours = robot_colours(scenario.robots)
     found = []
     for robot in scenario.robots:

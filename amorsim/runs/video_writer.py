@@ -1,4 +1,4 @@
-"""A film that is being made, GIF or MP4: how many frames it needs, which robots it shows, and writing it."""
+"""A film in the making, GIF or MP4: its number of frames, the robots that it shows, and writing it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Compiling ahead: short simulations that use what nearly every run needs, half of them in a second process.
+"""Compiling ahead: short simulations of what nearly every run needs, half of them in a second process.
 
 numba compiles a kernel at its first call, and keeps it in its cache. To compile ahead, the kernels are called by small
 robots from a list, and by the bundled scenarios. Each has something that the ones before it lack. `amorsim compile`
@@ -79,7 +79,7 @@ def compile_kernels(progress: Progress | None = None, *, more: bool = False) -> 
 
 
 def cold_planners(planners: Iterable[Planner]) -> list[type[Planner]]:
-    """The built-in kinds among these planners whose kernels have not been compiled here, each once."""
+    """The built-in kinds among these planners whose kernels are not compiled yet, each once."""
     kinds = dict.fromkeys(type(planner) for planner in planners)
     return [kind for kind in kinds if kind.__module__.startswith(_OURS) and not _is_compiled(kind)]
 
@@ -167,7 +167,7 @@ def _pioneers(*poses: tuple[float, float], controller: str = "manual", **sensors
 
 
 def _avoiders() -> Scenario:
-    """A Pioneer with each of the built-in controllers that avoid what is on their way to goals."""
+    """A Pioneer with each built-in controller that avoids obstacles on its way to goals."""
     registry = make_registry(entry_points=())
     robots: list[Table] = []
     for name in registry.names("controller"):

@@ -13,7 +13,7 @@ _COLOURS = ("#8e5bc4", "#e0b400", "#1fb5c9", "#d6559e", "#8a6a3c", "#94bf2e", "#
 
 
 def robot_colours(robots: Sequence[Robot]) -> dict[str, str | None]:
-    """The colour of each robot by its name: its own, else of several the next one in turn; None for one alone."""
+    """Each robot's colour by name: its own, or else the next of a series where there are several; None for one."""
     turns = iter(_COLOURS[i % len(_COLOURS)] for i in range(len(robots)))
     several = len(robots) > 1
     return {robot.name: robot.colour or (next(turns) if several else None) for robot in robots}

@@ -104,7 +104,7 @@ def _drops(given: Iterable[Drop]) -> tuple[Drop, ...]:
 
 @attrs.frozen(kw_only=True)
 class Floor:
-    """What sensors that look down find: of markings that overlap the last counts, and a drop before all of them."""
+    """What sensors that look down measure: of markings that overlap the last one counts; a drop counts before all."""
 
     reflectance: float = parameter(0.8, ge=0, le=1, help="part of the light that the bare floor returns")
     markings: tuple[Marking, ...] = attrs.field(default=(), converter=_markings)

@@ -22,7 +22,7 @@ _WAITING = 32  # [bytes]: a value of a sample under way, true and measured, and 
 
 
 def samples_under_way(longest: npt.NDArray[np.float64], dt: float) -> int:
-    """The most samples of a sensor that are in transit at once, where none takes longer than `(N, 1)` [s]."""
+    """The largest number of samples of a sensor in transit at once, if each takes up to `(N, 1)` [s]."""
     return int(np.ceil(longest / dt - _LATE).max())
 
 

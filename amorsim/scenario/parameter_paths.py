@@ -22,7 +22,7 @@ _LIVE = ("drive", "ground", "sensors", "estimators", "controller", "pose")  # of
 
 
 def with_value(robot: Robot, path: str, value: Any) -> Robot:
-    """The robot with another value at `path`, which may change while a simulation runs.
+    """The robot with another value at `path`, of a parameter that may change while a simulation runs.
 
     Besides the paths of parameters, ``errors.<path>`` takes a `Deviation` or a table of its fields, and
     ``errors.<path>.scale`` (``.add``, ``.value``) one of them; a value takes the place of scale and add. None at
@@ -131,7 +131,7 @@ def _descend(value: Any, rest: list[str], change: Change, live: bool) -> Any:
 
 
 def index_in(items: tuple[Any, ...], name: str) -> int:
-    """Which of some items a part of a path means: by its name, or by its number as Python writes it.
+    """The index of the item that a part of a path names, by the item's name or by its number.
 
     Raises
     ------

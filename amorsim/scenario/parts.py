@@ -16,7 +16,7 @@ Array = npt.NDArray[np.float64]
 
 
 def at_start(drive: Drive) -> Array:
-    """Where the parts of one robot's drive are at the start `(p, 3)`, in the robot's frame: all joints at 0."""
+    """Poses `(p, 3)` of the parts of one robot's drive at the start, in the robot's frame: all joints at 0."""
     if not drive.parts:
         return np.empty((0, 3))
     return np.asarray(stack([drive]).part_poses(np.zeros((1, len(drive.joints))))[0])

@@ -114,7 +114,7 @@ class NoiseElement:
 
 
 def _chain(given: Iterable[NoiseElement | Noise]) -> tuple[NoiseElement, ...]:
-    """A chain whose bare elements are called after their classes, numbered where one comes again."""
+    """The chain of the given elements; bare ones are named after their classes, numbered where a name repeats."""
     made: list[NoiseElement] = []
     if not is_list(given):
         raise ParameterError(

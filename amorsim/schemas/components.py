@@ -1,4 +1,4 @@
-"""The JSON Schemas of components: tables with ``use = NAME`` and the fields of what the name means."""
+"""JSON Schemas of components: tables with ``use = NAME`` and the fields of the component of that name."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def ref(name: str) -> Schema:
 
 
 def distribution() -> Schema:
-    """The keys of a number that is drawn, one of which stands alone."""
+    """The keys of a drawn number, one of which is there."""
     number: Schema = {"type": "number", "minimum": -MOST, "maximum": MOST}
     pair: Schema = {"type": "array", "minItems": 2, "maxItems": 2}
     spread = {"type": "number", "minimum": 0, "maximum": MOST}
@@ -82,7 +82,7 @@ def registered(registry: Registry, kind: str) -> list[Component]:
 
 
 def component_schemas(registry: Registry) -> Schema:
-    """Definitions of all components that stand in scenarios.
+    """Definitions of all components that scenarios may have.
 
     ``KIND`` is a table that stands alone; ``KIND.part`` one under which a model's may lie, so that nothing must be
     given in it.
@@ -101,7 +101,7 @@ def component_schemas(registry: Registry) -> Schema:
 
 
 def mounted(registry: Registry) -> Schema:
-    """What every sensor's table has in addition to the sensor's own fields and its noise."""
+    """The keys of every sensor's table besides the sensor's own fields and its noise."""
     own = table_schema(MountedSensor, names=("rate", "latency"))["properties"]
     return {"model": model_schema("device", registry), "mount": table_schema(Mount), **own}
 
@@ -117,20 +117,20 @@ def chain_schema(of: str) -> Schema:
 
 
 def variant(name: str, table: Schema, required: list[str], key: str = "use") -> Schema:
-    """The table of one component, whose name is under `key`."""
+    """The table of one component, with its name under `key`."""
     properties = {key: {"const": name, "description": table["description"]}, **table["properties"]}
     return {**table, "title": name, "properties": properties, "required": [key, *required]}
 
 
 def in_a_file(kind: str) -> list[Schema]:
-    """The table of a component in a user's file, with options of its own; none where a kind does not have that."""
+    """The table of a component in a user's file, with its options; none for kinds without that."""
     return [_IN_A_FILE] if kind in USER_CODE else []
 
 
 def _define(
     found: Schema, kind: str, components: list[Component], fields: Callable[[type], Schema], beside: Schema
 ) -> None:
-    """Define the tables of a kind: alone, and over a model's, whose `use` may be left out."""
+    """Define the tables of a kind: by themselves, and over a model's, where `use` may be left out."""
     alone, part = [], []
     for name, cls in components:
         table = fields(cls)

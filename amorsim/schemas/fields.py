@@ -19,7 +19,7 @@ _PLAIN: dict[Any, str] = {bool: "boolean", str: "string"}
 
 
 def closed(properties: Schema, *, required: list[str] | None = None, about: str = "") -> Schema:
-    """A table with these keys alone."""
+    """A table with these keys and no others."""
     return {
         **({"description": about} if about else {}),
         "type": "object",
@@ -42,7 +42,7 @@ def table_schema(
     beside: Schema | None = None,
     about: str = "",
 ) -> Schema:
-    """The table of a class's fields, of which none must be given; `beside` are further keys, `unit` is its sensor's."""
+    """The table of a class's fields, all optional; `beside` are further keys, `unit` is its sensor's."""
     fields = {key: field_schema(key, parameter) for key, parameter in file_fields(cls, unit, names).items()}
     return {
         "description": about or _first_sentence(cls),
@@ -72,7 +72,7 @@ def field_schema(key: str, parameter: Parameter) -> Schema:
 
 
 def _component(parameter: Parameter) -> Schema:
-    """A field that is a component itself."""
+    """A field that holds a component."""
     value: Schema = {"$ref": f"#/$defs/{parameter.component}"}
     return {"anyOf": [value, {"const": NONE}]} if parameter.is_optional else value
 
@@ -107,7 +107,7 @@ def _of_tuple(items: tuple[Any, ...], schema_of: Callable[[Any], Schema]) -> Sch
 
 
 def _bounds(parameter: Parameter, kind: type) -> Schema:
-    """The bounds of a number; where it has none of its own, those of all numbers."""
+    """The bounds of a number; those of all numbers if it has none."""
     largest = LARGEST_WHOLE if kind is int else LARGEST
     found: Schema = {}
     if parameter.le is None and parameter.lt is None:

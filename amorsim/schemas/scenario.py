@@ -81,7 +81,7 @@ def _list(items: Schema) -> Schema:
 
 
 def _alone(cls: type) -> Schema:
-    """The table of a class, with what must be given."""
+    """The table of a class, with its required fields."""
     needed = required_fields(cls)
     return {**table_schema(cls), **({"required": needed} if needed else {})}
 
@@ -223,7 +223,7 @@ def _models(registry: Registry) -> list[str]:
 
 
 def _if_model(name: str, registry: Registry) -> Schema:
-    """What a table over this model may hold: changes of what the model has, and more that is complete."""
+    """What a table over this model may have: changes of the model's parts, and complete new parts."""
     _, model = read_layers(name, "robot", registry)
     assert model is not None
     drive = model["drive"]["use"]
@@ -249,14 +249,14 @@ def _if_model(name: str, registry: Registry) -> Schema:
 
 
 def _if_drive(name: str, cls: type) -> Schema:
-    """What errors a robot may have whose table names its drive."""
+    """The errors that a robot may have whose table names its drive."""
     drive = {"properties": {"use": {"const": name}}, "required": ["use"]}
     then = {"properties": {"errors": {"properties": {"drive": _errors_of(cls)}}}}
     return {"if": {"properties": {"drive": drive}, "required": ["drive"]}, "then": then}
 
 
 def _use(table: Schema | None, registry: Registry) -> str:
-    """The registered component in a model's table, or in that of its device; empty if there is none."""
+    """The component named in a model's table, or in its device's; empty if there is none."""
     if table is not None and table.get("model") in registry.names("device"):
         table = read_layers(table["model"], "device", registry)[1]
     use = (table or {}).get("use", "")
@@ -264,7 +264,7 @@ def _use(table: Schema | None, registry: Registry) -> str:
 
 
 def _change(kind: str, use: str, registry: Registry) -> Schema:
-    """A table that names no other component changes fields of the model's, if it has one; else it is complete."""
+    """A table without a component's name changes fields of the model's, if it has one; else it is complete."""
     if not use:
         return ref(kind)
     cls = registry.get(kind, use)

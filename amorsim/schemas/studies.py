@@ -69,7 +69,7 @@ def _axis() -> Schema:
 
 
 def _metrics(registry: Registry, beside: Schema, *, files: bool) -> Schema:
-    """A table of metrics by names of one's own."""
+    """A table of metrics, under any names."""
     robot = {"type": "string", "minLength": 1, "description": "the robot that is measured; without it, their mean"}
     keys: Schema = {"robot": robot, **beside}
     metrics = [

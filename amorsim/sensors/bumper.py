@@ -1,4 +1,4 @@
-"""Bumpers around a footprint, and which of them press on something."""
+"""Bumpers around a footprint, and which of their segments are pressed."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ class Bumper(Sensor):
         return (view.touches(zones, which) & there).astype(np.float64)
 
     def _laid_out(self, view: View) -> tuple[tuple[Shape, ...], Ints, Bools]:
-        """The zones of all rows, which of them each segment of a row is `(N, k)`, and whether it has one `(N, k)`."""
+        """The zones of all rows, the zone of each segment `(N, k)`, and whether a row has that segment `(N, k)`."""
         reach = np.broadcast_to(self.reach, (view.rows, 1))
         mounts, mine = np.unique(np.concatenate((view.mount, reach), axis=1), axis=0, return_inverse=True)
         zones: list[Shape] = []

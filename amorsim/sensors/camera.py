@@ -150,7 +150,7 @@ class Camera(Sensor):
 
 @functools.lru_cache(maxsize=256)
 def _colour_indices(things: tuple[str | None, ...], wanted: tuple[str, ...]) -> Ints:
-    """Index of each thing's colour among the wanted ones, -1 for none; one more at the end, for no thing."""
+    """The index of each thing's colour among the wanted ones, -1 for none; the last one is for no thing."""
     known = {ImageColor.getrgb(colour): i for i, colour in reversed(list(enumerate(wanted)))}
     return np.array([*(known.get(ImageColor.getrgb(c), -1) if c else -1 for c in things), -1], dtype=np.int64)
 

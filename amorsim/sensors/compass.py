@@ -1,4 +1,4 @@
-"""Which way a robot looks in the world."""
+"""The heading of a robot in the world."""
 
 from __future__ import annotations
 

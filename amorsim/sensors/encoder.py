@@ -1,4 +1,4 @@
-"""How far the joints have turned, in counts."""
+"""The angles that joints have turned by, in counts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Cross-talk: the sound of other transducers that a ring of transducers hears."""
+"""Cross-talk: the sound of other transducers that reaches a ring of transducers."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def hear(
     range_min: Array,
     range_max: Array,
 ) -> Array:
-    """Ranges `(N, k)` [m] that sound from other transducers, of this ring or others, would read; inf for silence.
+    """The ranges `(N, k)` [m] that sounds of other transducers, of this ring or others, would give; inf for silence.
 
     Sound takes the shortest path. It goes straight from one transducer to another if each lies in the other's cone. Or
     it reflects off a surface that both see within their cones, except surfaces of the emitting robot; on a flat wall
@@ -101,7 +101,7 @@ def _sounds(
     facing: acoustics.Facing,
     surfaces: acoustics.Surfaces,
 ) -> acoustics.Sounds:
-    """All sounds that may come to each listener, in order."""
+    """All sounds that may reach each listener, in order."""
     first = np.empty(len(listeners.poses) + 1, dtype=np.int64)
     room = 16 + 4 * int(facing.hears.sum())
     while True:
@@ -113,7 +113,7 @@ def _sounds(
 
 
 def _are_free(view: View, lines: acoustics.Lines) -> npt.NDArray[np.bool_]:
-    """Which lines `(P,)` no wall and no body blocks but the emitter's carrier.
+    """Which lines `(P,)` no wall and no body blocks, other than the emitter's carrier.
 
     Bodies are compared by number, not by place: an emitter at the rim of its carrier is as far away as the rim, up to
     rounding.
@@ -130,7 +130,7 @@ def _are_free(view: View, lines: acoustics.Lines) -> npt.NDArray[np.bool_]:
 
 
 def _owners(view: View, met: Ints) -> Ints:
-    """Body whose surface each ray ends on (for a part of a robot, the robot's body); -1 for a wall or none."""
+    """The body on whose surface each ray ends (the robot for a part of it); -1 for a wall or none."""
     if (met < 0).all():
         return met
     return np.where(met >= 0, view.bodies().owner[met], -1)

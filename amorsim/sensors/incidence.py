@@ -1,4 +1,4 @@
-"""Angle of incidence of a beam on a surface: a body's shape, or a wall, which is probed close to the beam."""
+"""The angle of incidence of a beam on a surface: a body's shape, or a wall, probed close to the beam."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _EVEN = 3.0  # a probe this many times farther than the other is on another surf
 
 
 def incidence(view: View, origins: Array, bearings: Array, ranges: Array, range_max: Array) -> Array:
-    """Angles [rad] `(M, k)` in [0, pi / 2] between beams and the normals of what they meet; 0 where nothing returned.
+    """Angles [rad] `(M, k)` in [0, pi / 2] between beams and the normals of surfaces; 0 where nothing returned.
 
     The normal is that of what was hit: of a robot or an obstacle, of its shape at that point; of a wall, see `PATCH`.
 

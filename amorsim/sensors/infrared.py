@@ -1,4 +1,4 @@
-"""A ring of infrared proximity sensors: how much of their own light comes back."""
+"""A ring of infrared proximity sensors, which measure how much of their own light returns."""
 
 from __future__ import annotations
 

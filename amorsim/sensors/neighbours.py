@@ -1,4 +1,4 @@
-"""What robots nearby report of themselves: their poses, speeds and sizes."""
+"""Poses, speeds and sizes that nearby robots report of themselves."""
 
 from __future__ import annotations
 

@@ -98,7 +98,7 @@ class Sonar(Sensor):
         return np.array([[element.heading for element in elements]])
 
     def bind(self, at: SensorBinding) -> Callable[[], None]:
-        """Look into the cones from the engine's own arrays, unless something bends them or others are heard."""
+        """Search the cones on the engine's own arrays, unless something bends them or other sonars are heard."""
         if at.aim is not None or self.medium:
             return super().bind(at)
         ring: Any = self.elements

@@ -25,7 +25,7 @@ Believer = Callable[[Iterable[str] | None], Beliefs]
 
 
 def beliefs_of_step(believers: Mapping[str, Believer], moment: Callable[[], int]) -> Mapping[str, Beliefs]:
-    """The beliefs of those that have any, by name; `moment` is the number of the step."""
+    """The beliefs of all estimators and controllers that have any, by name; `moment` is the number of the step."""
     return StepBeliefs(believers, moment) if believers else _NOTHING
 
 
@@ -46,7 +46,7 @@ class StepBeliefs(BeliefsByName):
         return self._kept[name]
 
     def some(self, name: str, wanted: Iterable[str]) -> Beliefs:
-        """Some beliefs of one of them; what is not wanted need not be computed."""
+        """The wanted beliefs of an estimator or of the controller; others need not be computed."""
         if name in self._kept:
             found: Beliefs = chosen(self._kept[name], wanted)
             return found

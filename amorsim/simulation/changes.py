@@ -87,7 +87,7 @@ def set_parameter(fleet: Fleet, handles: Sequence[RobotHandle], path: str, value
 
 
 def with_other_chain(fleet: Fleet, name: str, path: str, given: Any) -> Fleet:
-    """A fleet at the same moment in which a robot has another chain of noise at `path`, in all replicas."""
+    """A copy of a fleet, at the same moment, in which a robot has another noise chain at `path` in all replicas."""
     group, row = fleet.robot_row(name, 0)
     robot = group.specified[row]
     elements = read_elements(robot, path, given)

@@ -76,7 +76,7 @@ class Driver:
                 self._whose.blame_start("controller", self.controller, error)
 
     def hand_over(self, row: int, to_hand: bool) -> None:
-        """Drive a row from outside from now on, at rest at first, or by its controller again, which may have ended."""
+        """From now on drive a row from outside, at rest at first, or by its controller again, which may have ended."""
         self.by_hand[row], self.hand[row] = to_hand, 0.0
         if not to_hand:
             self.active[row] = True

@@ -1,4 +1,4 @@
-"""Checks of a drive's answers for joints at rest, before a group steps: other code takes them as they are."""
+"""Checks of what a drive returns for joints at rest, before a group steps; later it is taken as it is."""
 
 from __future__ import annotations
 

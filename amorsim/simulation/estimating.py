@@ -224,7 +224,7 @@ class Estimators:
 
     @property
     def updates(self) -> int:
-        """How many updates there were; beliefs are of one of them."""
+        """The number of updates so far, which tells to which of them beliefs belong."""
         return self._updates
 
 

@@ -278,7 +278,7 @@ def _no_reading(size: int) -> Measurement:
 
 
 def _with_feeders(name: str, estimators: Mapping[str, Estimator], robot: Robot) -> dict[str, Estimator]:
-    """The named one of a robot's estimators, and those whose estimates it takes, directly or through others."""
+    """The estimator of that name, and all whose estimates it takes, directly or through others."""
     try:
         order = feeding_order(estimators)
     except FeedingError as error:

@@ -1,4 +1,4 @@
-"""Estimators that take the estimates of others of their robot: in which order they are updated, and what they get."""
+"""Estimators that take estimates of their robot's other estimators: the order of updates, and what they are given."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["FeedingError", "estimate_readings", "feeders", "feeding_order"]
 
 
 class FeedingError(ComponentError):
-    """An estimator that names one that is not there, or that waits for itself; `name` is the estimator."""
+    """The error for an estimator that names a missing one, or that feeds itself; `name` is the estimator's."""
 
     def __init__(self, name: str, problem: str) -> None:
         self.name = name
@@ -32,7 +32,7 @@ def feeders(estimator: Estimator) -> tuple[str, ...]:
 
 
 def feeding_order(estimators: Mapping[str, Estimator]) -> dict[str, tuple[str, ...]]:
-    """By estimator, those that feed it; each comes after those that feed it, and else in the order given.
+    """The estimators that feed each one; feeders come first, otherwise the order is the given one.
 
     Raises
     ------

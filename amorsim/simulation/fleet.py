@@ -120,7 +120,7 @@ class Fleet:
         return {**vars(self), "calls": ()}
 
     def release(self) -> None:
-        """Let go of the calls, so that what nobody holds is freed at once; they are prepared again if needed."""
+        """Drop the calls, so that unused memory is freed at once; they are prepared again when they are needed."""
         self.calls = ()
         for group in self.groups:
             group.unbind()
@@ -140,7 +140,7 @@ class Fleet:
         return specified, np.array(bodies, dtype=np.int64), np.array(replica, dtype=np.int64)
 
     def _knowing(self, robot: Robot, index: int) -> Robot:
-        """A robot with the map that it knows in the replica with an index."""
+        """A copy of a robot with the map that it knows in the replica with that index."""
         known = robot.knowledge.map
         if known is None or origin_of(known) is None:
             return robot
@@ -207,7 +207,7 @@ class Fleet:
         return np.concatenate((own, self.world.parts_of(own)[0]))
 
     def overlap(self, group: Group, row: int, poses: Array) -> str:
-        """The thing that a robot and its parts would overlap with all bodies at `poses` `(T, 3)`; empty if nothing."""
+        """What a robot or one of its parts would overlap if all bodies stood at `poses` `(T, 3)`; empty if nothing."""
         world = self.world
         own = self.robot_bodies(group, row)
         if (world.wall_gaps(own, poses[own], np.zeros(len(own)))[0] < 0.0).any():

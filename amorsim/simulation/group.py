@@ -245,7 +245,7 @@ class Group:
         return {name: value for name, value in vars(self).items() if name not in self._BOUND} | {"is_bound": False}
 
     def unbind(self) -> None:
-        """Let go of what is bound: it refers to the group in a circle, which would keep the map in memory."""
+        """Drop what is bound: it refers to the group in a circle, which would keep the map in memory."""
         self.is_bound = False
         for name in self._BOUND:
             vars(self).pop(name, None)

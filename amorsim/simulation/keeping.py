@@ -177,7 +177,7 @@ def _pick(simulation: Simulated, name: str) -> Pick:
 
 
 def quantity_problem(name: str) -> str:
-    """The fault of a name that no quantity of any robot has; empty if some robot may have it."""
+    """What is wrong with the name of a quantity that no robot has; empty if some robot may have it."""
     kind, _, rest = name.removeprefix(LAST).partition(".")
     whose, _, what = rest.partition(".")
     dotted = {"readings": _OF_READING, "estimates": _OF_ESTIMATE, "beliefs": (what,)}
@@ -203,7 +203,7 @@ def _reading(frame: Frame, sensor: str, what: str) -> Array | None:
 
 
 def _some(frame: Frame, wanted: Mapping[str, list[str]]) -> dict[str, Beliefs]:
-    """The beliefs that are wanted, by whose they are, of those that there are; others need not be computed."""
+    """The wanted beliefs that exist, by their owner's name; others need not be computed."""
     return {whose: frame.some_beliefs(whose, names) for whose, names in wanted.items() if whose in frame.beliefs}
 
 

@@ -138,7 +138,7 @@ def _unreachable(scenario: Scenario) -> list[str]:
 
 
 def _shut_off(world: Map, body: Robot | Obstacle, points: list[tuple[float, float]], which: Bools) -> Bools:
-    """Which of the places marked in `which` walls separate from a body's start; none if the start is not known."""
+    """Which of the places marked in `which` walls cut off from a body's start; none if the start is not known."""
     found = np.zeros_like(which)
     pose = body.pose or (start_of(world, body) if isinstance(body, Robot) else None)
     if body.start is not None or pose is None:

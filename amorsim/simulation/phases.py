@@ -31,7 +31,7 @@ def step(fleet: Fleet) -> None:
 
 
 def calls_of(fleet: Fleet) -> Sequence[Call]:
-    """The calls of a step, in order; prepared again where a group's parameters or states are others than before."""
+    """The calls of a step, in order; prepared again for groups whose parameters or states were replaced."""
     unbound = [group for group in fleet.groups if not group.is_bound]
     if unbound or not fleet.calls:
         for group in unbound:

@@ -93,7 +93,7 @@ def draw_starts_again(
     areas: Areas,
     source: str,
 ) -> Array:
-    """Start poses `(T, 3)` of later `episodes` `(R,)` in the replicas marked in `which` `(R,)`; else as in `poses`.
+    """Start poses `(T, 3)`, drawn for `episodes` `(R,)` in the replicas marked in `which`, elsewhere as in `poses`.
 
     Starts that are drawn once for the study stay as they are.
 

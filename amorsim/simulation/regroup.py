@@ -1,4 +1,4 @@
-"""A fleet whose robots have other chains of noise than an older one had, in the midst of a run.
+"""Noise chains exchanged in the middle of a run: a new fleet goes on from the state of the old one.
 
 Elements come and go while everything else goes on: poses, joints, readings and the states of all components that are
 the same in both. Draws depend on names, so no other component's draws change.
@@ -89,7 +89,7 @@ def _first_rows(group: Group) -> list[int]:
 
 
 def _carry(source: Group | ObstacleGroup, from_rows: Any, group: Group | ObstacleGroup, rows: Any) -> None:
-    """Give rows of a group what changes of rows of another one, wherever it has the same form."""
+    """Copy the changing arrays of rows of one group into rows of another, where they have the same form."""
     arrays = group.arrays()
     for unit, held in source.arrays().items():
         fits = _is_alike(held, arrays[unit])
@@ -119,7 +119,7 @@ def _with_rows(array: npt.NDArray[Any], rows: Any, values: npt.NDArray[Any]) -> 
 
 
 def _other_elements(source: Group | ObstacleGroup, group: Group | ObstacleGroup) -> set[str]:
-    """The places of states at which there is another element than before, though it has the same name."""
+    """The positions of states whose element is another one than before, though it has the same name."""
     if not isinstance(source, Group) or not isinstance(group, Group):
         return set()
     before, after = chains_of(source.specified[0]), chains_of(group.specified[0])

@@ -83,7 +83,7 @@ class Attribution:
 
 
 def attribute_errors(scenario: Scenario, *, robot: str | None = None, replicas: int = 20) -> Attribution:
-    """Drive once without errors, and then give the same commands with each error alone, and with all together.
+    """Drive once without errors, then repeat the commands with each error alone and with all together.
 
     An error is an entry of the robot's `errors`, an element of its `ground`, or one of its encoder's chain. Draws
     depend only on names, so each error draws the same alone and together with others. The estimate is dead reckoning.

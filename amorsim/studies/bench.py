@@ -78,7 +78,7 @@ def _is_of(path: str, sensor: str) -> bool:
 
 
 def only_odometry(robot: Robot) -> tuple[Robot, str]:
-    """The robot with dead reckoning alone and the encoder that this reads, and the encoder's name.
+    """The robot with dead reckoning alone and the encoder that it reads, and the encoder's name.
 
     It knows its start, and is not carried away. All other sensors are removed: they do not affect odometry, and draws
     depend only on names, so none changes.
@@ -118,7 +118,7 @@ def empty_world(reach: float, walls: Iterable[tuple[float, float, float, float]]
 
 
 def alone(scenario: Scenario, robot: Robot, world: Map | None = None) -> Scenario:
-    """The scenario with no other robot; in another world, standing at its origin, with no obstacles either."""
+    """The scenario with only this robot; in another world it stands at the origin, without obstacles."""
     if world is None:
         return attrs.evolve(scenario, robots=[robot], source=None, resolved=None)
     placed = attrs.evolve(robot, pose=Pose(), start=None)

@@ -52,7 +52,7 @@ class _TurnTable(Drive):
         return joints + command * dt, command.copy()
 
     def twist(self, before: Array, after: Array) -> Array:
-        """A turn alone."""
+        """A turn in place."""
         out = np.zeros((len(before), 3))
         out[:, 2:] = after - before
         return out
@@ -62,7 +62,7 @@ class _TurnTable(Drive):
         return np.ascontiguousarray(twist[:, 2:])
 
     def rolling_radius(self) -> Array:
-        """Nothing rolls."""
+        """No joint rolls."""
         return np.empty((1, 0))
 
 
@@ -112,7 +112,7 @@ def _on_bench(scenario: Scenario, robot: str | None, sensor: str) -> Robot:
 def _watch(
     simulation: Simulation, sensor: str, steps: int, rate: Callable[[float], float], element: int = 0
 ) -> tuple[Array, Array, npt.NDArray[np.int64]]:
-    """What a sensor measured, turned at `rate` of the time [s] (rad/s).
+    """What a sensor measured while it was turned at `rate` (rad/s), a function of the time [s].
 
     Returns one element of the readings that the runs held after each step `(T, R)`; the true poses of all ticks
     `(T + 1, R, 3)`; and the ticks `(T, R)` that the readings are of, or -1 where no new one came in. So each reading
@@ -131,7 +131,7 @@ def _watch(
 
 
 def _wait(simulation: Simulation, sensor: str) -> float:
-    """Time [s] until a reading has surely come in, and the step in which it does."""
+    """The time [s] until a reading has certainly arrived, and that step."""
     unit = simulation.scenario.robots[0].sensors[sensor]
     return unit.latency + max(simulation.dt, 1.0 / unit.rate if unit.rate else 0.0)
 
@@ -303,7 +303,7 @@ def _is_range_sensor(device: Any) -> bool:
 
 
 def _spread(true: float, readings: Array, is_new: npt.NDArray[np.bool_], name: str) -> RangeCalibration:
-    """Bias and standard deviation of readings `(T, R)` of one distance, of those that are new."""
+    """Bias and standard deviation of the new readings `(T, R)` of one distance."""
     returned = is_new & np.isfinite(readings)
     counts = returned.sum(axis=0)
     if not math.isfinite(true) or (counts < 2).any():

@@ -1,4 +1,4 @@
-"""What a robot's errors do, in short: its estimates on a square, and how its sensors' readings scatter."""
+"""Previews of a robot's errors: its estimates on a square, and the scatter of its sensors' readings."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def preview_square(scenario: Scenario, robot: Robot, *, side: float = 10.0, repl
 
 
 def preview_noise(scenario: Scenario, name: str, sensor: str, *, samples: int = 2000, replicas: int = 20) -> Array:
-    """How far a sensor's readings are from what is true, `(n,)` in its unit: its robot stands where it starts.
+    """Errors `(n,)` of a sensor's readings, in its unit, while its robot stands at its start.
 
     Values without a return are left out. For a robot whose start is drawn, each replica has its own.
 

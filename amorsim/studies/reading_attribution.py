@@ -69,7 +69,7 @@ class ReadingAttribution:
 def attribute_readings(
     scenario: Scenario, sensor: str, *, robot: str | None = None, replicas: int = 20
 ) -> ReadingAttribution:
-    """Give the commands of one drive again with each error of a sensor alone, and with all together.
+    """Repeat the commands of one drive with each error of a sensor alone, and with all together.
 
     An error is an entry of the robot's `errors` that touches the sensor, or an element of its chain. Everything else
     is the same in all cases, so the robot goes the same way and sees the same. Draws depend only on names, so each
@@ -154,7 +154,7 @@ def _names(robot: Robot, sensor: str) -> list[str]:
 
 
 def _with_only(robot: Robot, sensor: str, kept: set[str]) -> Robot:
-    """The robot with no other errors of the sensor."""
+    """The robot with these errors of the sensor alone."""
     prefix = f"sensors.{sensor}."
     unit = robot.sensors[sensor]
     chain = tuple(element for element in unit.noise if f"{prefix}noise.{element.name}" in kept)
@@ -190,7 +190,7 @@ def _play(scenario: Scenario, name: str, sensor: str, commands: Array, replicas:
 
 
 def _difference(measured: Array, reference: Array, is_angle: bool) -> Array:
-    """Errors; nan where nothing returned in either, inf where in one of them only."""
+    """The errors of readings; nan where neither returned, inf where only one did."""
     both = np.isfinite(measured) & np.isfinite(reference)
     only = np.isfinite(measured) != np.isfinite(reference)
     error = np.where(both, measured, 0.0) - np.where(both, reference, 0.0)

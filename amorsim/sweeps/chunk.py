@@ -59,7 +59,7 @@ class Outcome:
 
 
 def run_chunk(plan: Plan, index: int, folder: str = "") -> Outcome:
-    """Simulate and measure a chunk; what goes wrong in it is its outcome.
+    """Simulate and measure a chunk; an error in it becomes its outcome.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def simulation_of(plan: Plan, chunk: Chunk, replicas: int | Sequence[int]) -> Si
 
 
 def with_metrics(plan: Plan) -> Plan:
-    """The study with the metrics that are in files, which are run for that.
+    """The study with the metrics from users' files, which are run for that.
 
     Raises
     ------
@@ -186,7 +186,7 @@ def _run(plan: Plan, chunk: Chunk, folder: str) -> Outcome:
 def _simulate(
     simulation: Simulation, keeper: Keeper, steps: int, stop: str, session: RunSession | None
 ) -> tuple[npt.NDArray[np.int64], list[str]]:
-    """The step at which each replica ended, and the digest of each then."""
+    """The step at which each replica ended, and its digest then."""
     replicas = simulation.replicas
     ends = np.full(len(replicas), steps)
     digests = [""] * len(replicas)
@@ -236,7 +236,7 @@ class _Collided:
 
 
 class _Still:
-    """Replicas in which no robot has moved for `_STILL`, after one had."""
+    """Replicas in which no robot has moved for `_STILL`, after one had moved."""
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
@@ -268,7 +268,7 @@ def episode_at(
     rows: npt.NDArray[np.int64],
     end: int,
 ) -> Episode:
-    """A metric's view of a robot in some replicas, from the start up to a step at which they ended.
+    """A metric's view of a robot in some replicas, from the start to the step at which they ended.
 
     Parameters
     ----------

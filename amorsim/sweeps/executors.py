@@ -166,7 +166,7 @@ def _through(client: Any, distributed: Any, plan: Plan, todo: Iterator[Work]) ->
 
 @contextlib.contextmanager
 def _speaking_to(client: Any) -> Iterator[None]:
-    """Whatever goes wrong is the connection's fault: chunks report their own faults, and a client raises many kinds."""
+    """A block whose errors are the connection's: chunks report their own, and a client raises many kinds."""
     try:
         yield
     except Exception as error:

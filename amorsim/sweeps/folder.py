@@ -1,4 +1,4 @@
-"""The folder of a study: what it is, a file for each chunk that is done, and the table made of them."""
+"""The folder of a study: its description, a file for each finished chunk, and the table made of them."""
 
 from __future__ import annotations
 
@@ -153,7 +153,7 @@ class StudyFolder:
         return self.path / "runs" / f"point-{chunk.point:06d}{seed}"
 
     def missing(self, kept: Collection[int]) -> list[int]:
-        """The chunks that are not done; and of the points of `kept` those that have left no folder of their run.
+        """The unfinished chunks, and those points of `kept` whose run's folder is missing.
 
         Computed again, they come out the same.
         """
@@ -161,7 +161,7 @@ class StudyFolder:
         return [index for index in chunks if not self._file(index).exists() or (kept and self._lacks_run(index, kept))]
 
     def _lacks_run(self, index: int, kept: Collection[int]) -> bool:
-        """Whether a chunk that is done should have left the whole folder of its run, and has not."""
+        """Whether a finished chunk should have left the folder of its run and has not."""
         if self._plan.chunk(index).point not in kept or self._read(index).error:
             return False
         try:
@@ -170,7 +170,7 @@ class StudyFolder:
             return True
 
     def write(self, outcome: Outcome) -> None:
-        """Write down what came of a chunk; raises `StudyError` if it cannot be written."""
+        """Write the outcome of a chunk; raises `StudyError` if it cannot be written."""
         file = self._file(outcome.index)
         content: dict[str, Any] = {"index": outcome.index, "seed": outcome.seed}
         content |= {"error": outcome.error} if outcome.error else {"values": outcome.values, "digests": outcome.digests}
@@ -309,7 +309,7 @@ def _fingerprints_of_program(path: Path) -> dict[str, str]:
 
 
 def _files_of(scenario: Scenario) -> dict[str, str]:
-    """A fingerprint of a scenario, and of each file that it needs: maps of several files, what programs import.
+    """Fingerprints of a scenario and of each file that it needs: maps of several files, imports of programs.
 
     Raises
     ------

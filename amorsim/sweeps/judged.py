@@ -1,4 +1,4 @@
-"""Which estimator a metric judges, and which metrics measure the same of several estimators."""
+"""Which estimator a metric judges, and which metrics are the same but for their estimator."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def about_metric(measured: Measured, use: str, robots: Sequence[Robot]) -> dict[
 def metrics_of_shared(
     scenarios: Mapping[str, Scenario], metrics: Sequence[str], estimators: Sequence[str] = (), robot: str = ""
 ) -> dict[str, dict[str, str]]:
-    """The ``[metrics]`` of studies of several scenarios: one for each estimator that all of them have.
+    """The ``[metrics]`` for studies of several scenarios: one for each estimator that all of them have.
 
     Metrics that judge no estimator, and all of them where no estimator is shared, have their defaults.
 
@@ -105,7 +105,7 @@ def _robot(name: str, scenario: Scenario, robot: str) -> Robot:
 
 
 def _can_judge(kind: type[Metric], field: str, estimator: str, scenarios: Mapping[str, Scenario]) -> bool:
-    """Whether the estimator has what the metric needs; which beliefs it has, only a simulation knows."""
+    """Whether the estimator has what the metric needs; its beliefs are known in a simulation only."""
     needs = kind(**{field: estimator}).needs()
     if not any("beliefs." in name for name in needs):
         return True

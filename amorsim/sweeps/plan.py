@@ -21,7 +21,7 @@ Label = float | int | str | bool
 
 @attrs.frozen(kw_only=True)
 class Axis:
-    """An axis along which points differ: a name, and for each value its label, its settings, and the files it names."""
+    """An axis of a study: its name, and for each value the label, the settings and the files that it names."""
 
     name: str
     labels: tuple[Label, ...]
@@ -34,7 +34,7 @@ class Axis:
 
 @attrs.frozen(kw_only=True)
 class Measured:
-    """A metric of a study: its name there, and whose it is; without a robot, that of the only one.
+    """A metric of a study, with its name there and its robot; without one, the only robot.
 
     `source` is ``FILE.py:NAME`` of a metric in a file.
     """

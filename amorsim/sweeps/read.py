@@ -39,7 +39,7 @@ _MOST_CHUNKS = 100_000_000
 
 
 def read_plan(study: str | os.PathLike[str] | Mapping[str, Any], *, registry: Registry | None = None) -> Plan:
-    """The study in a file, or in tables as of a file; relative paths of these start at the present folder.
+    """The study in a file, or in tables as of a file; their relative paths start at the present folder.
 
     Raises
     ------
@@ -162,7 +162,7 @@ def _axes(node: Node) -> list[Axis]:
 
 
 def _flat(node: Node, before: str = "") -> list[tuple[str, Node]]:
-    """The axes of a table, also of one whose paths were written without quotes: ``robots.rover.dt = [...]``."""
+    """The axes in a table, also if their paths have no quotes: ``robots.rover.dt = [...]``."""
     found = []
     for key, child in node.children():
         name = f"{before}{key}"
@@ -295,7 +295,7 @@ def _identity(label: Any) -> str:
 
 
 def _anchored(value: Any, folder: Path, files: list[str]) -> Any:
-    """A value with the whole paths of files that it names next to the study's file, or else in the present folder."""
+    """A value with its file names made absolute: beside the study's file, or else in the present folder."""
     if isinstance(value, dict):
         return {key: _anchored(item, folder, files) for key, item in value.items()}
     if isinstance(value, list):
@@ -364,7 +364,7 @@ def _check_columns(top: Node, axes: list[Axis], metrics: list[Measured]) -> None
 
 
 def _check_paths(top: Node, axes: list[Axis]) -> None:
-    """Two axes, or an axis and a key, that set the same would leave rows about what was not simulated."""
+    """Note a fault where two axes, or an axis and a key, set the same: rows would be about what was not simulated."""
     set_by = {"simulation.seed": "seeds", "simulation.duration": "duration"}
     set_by = {path: key for path, key in set_by.items() if key in top}
     for axis in axes:

@@ -1,4 +1,4 @@
-"""Studies of several scenarios on the same seeds, side by side in one folder: what a comparison of them is made of."""
+"""Studies of several scenarios on the same seeds, side by side in one folder, for a comparison."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ class StudySet:
 
     @property
     def labels(self) -> list[str]:
-        """A name for each: that of its file, with a number where several files have the same."""
+        """A name for each: that of its file, with a number where names repeat."""
         stems = [Path(name).stem for name in self.scenarios]
         return [stem if stems.count(stem) == 1 else f"{stem}-{place}" for place, stem in enumerate(stems, start=1)]
 
@@ -92,7 +92,7 @@ class StudySet:
         return shlex.join(words)
 
     def folder(self, out: Path | None, name: str, *, ended: str) -> Path:
-        """The folder to simulate in, made: the one in which the same was begun and has not ended, or a new one.
+        """The folder to simulate in, made now: that of the same unfinished set, or a new one.
 
         Parameters
         ----------
@@ -138,7 +138,7 @@ class StudySet:
         jobs: int = 1,
         progress: Callable[[Progress], None] | None = None,
     ) -> Study:
-        """Run the study of one scenario, or go on with it; see `sweep`."""
+        """Run the study of one scenario, or continue it; see `sweep`."""
         return sweep(self._tables(place), Path(folder) / self.labels[place], jobs=jobs, progress=progress)
 
     def _tables(self, place: int) -> dict[str, Any]:
@@ -168,7 +168,7 @@ class StudySet:
 
 
 def _read(folder: Path) -> dict[str, Any]:
-    """The study begun in a folder; nothing if that cannot be read."""
+    """The study that was begun in a folder; None if it cannot be read."""
     try:
         return read_table(folder / ABOUT, StudyError)
     except (FileNotFoundError, StudyError):

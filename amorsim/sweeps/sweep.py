@@ -32,7 +32,7 @@ _TRIES = 20  # values of an axis that are tried beforehand
 
 
 class Progress(NamedTuple):
-    """How far a study is: chunks done, of all, failed ones, and an estimate of the time left [s] or None."""
+    """The progress of a study: finished and failed chunks, of how many, and the time left [s] or None."""
 
     done: int
     total: int
@@ -130,7 +130,7 @@ def sweep(
 
 
 def _end(folder: StudyFolder, plan: Plan, scenario: Scenario, status: str) -> None:
-    """Write the table of what is done, and how the study ended."""
+    """Write the table of the finished chunks, and how the study ended."""
     write_tables(folder.path, plan, scenario.seed, folder.outcomes())
     folder.write_about(status)
 
@@ -152,7 +152,7 @@ def _kept(keep: str | Collection[int], plan: Plan) -> Collection[int]:
 
 
 def _checked(plan: Plan) -> Scenario:
-    """The scenario as it is without the axes, after a look at what the study names.
+    """The scenario without the axes, after a check of all that the study names.
 
     An axis none of whose values can be set names nothing; so does a metric that fits none of the points looked at. A
     single value that cannot be set is a point that fails.
@@ -179,7 +179,7 @@ def _checked(plan: Plan) -> Scenario:
 
 
 def _tried(plan: Plan, axis: Axis, scenario: Scenario) -> Simulation:
-    """A simulation with a value of an axis; one that changes the scenario, if there is one that can be set."""
+    """A simulation with one value of an axis; of one that changes the scenario, if any can be set."""
     problem: AmorsimError | None = None
     neutral = None
     places = range(min(len(axis), _TRIES))

@@ -131,7 +131,7 @@ def read_study(folder: str | os.PathLike[str]) -> Study:
 
 
 def counted(mean: str, values: npt.NDArray[np.float64]) -> str:
-    """A mean as text, with how many of the values `(n,)` it is of, where some are nan: ``9.433 (7 of 20)``."""
+    """A mean as text, with the number of values `(n,)` that it is of, if some are nan: ``9.433 (7 of 20)``."""
     count = int(np.count_nonzero(~np.isnan(values)))
     return mean if count == len(values) else f"{mean} ({count} of {len(values)})"
 
@@ -169,7 +169,7 @@ def _kinds(axes: dict[str, list[Any]], metrics: Iterable[str]) -> dict[str, str]
 
 
 def write_tables(folder: Path, plan: Plan, own_seed: int, outcomes: Iterable[Outcome]) -> Path:
-    """Write the table from the outcomes of chunks, in their order; as Parquet where pyarrow is installed, else CSV.
+    """Write the table of the chunks' outcomes, in order; as Parquet if pyarrow is installed, else as CSV.
 
     Parameters
     ----------

@@ -49,7 +49,7 @@ class FollowLine(Task):
         return np.concatenate((np.zeros(elements), [-1.0, -1.0])), np.ones(elements + 2)
 
     def begin(self, truth: TrueState, draws: Draws) -> State:
-        """Where along the line the robot begins [m], and how far it has come."""
+        """State: where along the line the robot begins [m], and how far it has come."""
         if self.line >= len(truth.lines):
             raise ComponentError(
                 f"follow_line: line: expected one of the {len(truth.lines)} lines on the floor, from 0, "

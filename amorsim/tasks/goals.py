@@ -20,7 +20,7 @@ Bools = npt.NDArray[np.bool_]
 
 
 class _Lattice(NamedTuple):
-    """The squares of a world in which a way may lead, and those in which a goal may be; an edge of others around."""
+    """The squares of a world through which a way may lead and those for a goal, with a border of neither."""
 
     ways: Bools  # (rows, cols)
     goals: Bools  # (rows, cols)

@@ -1,4 +1,4 @@
-"""Whether a component that binds itself computes what its simple form does, and leaves alone what is not its own."""
+"""Checks that a component that binds itself computes what its simple form does, and writes nothing else."""
 
 from __future__ import annotations
 

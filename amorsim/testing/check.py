@@ -188,7 +188,7 @@ def check_component(
 
 
 def _check_places(who: Who, component: Controller | Motion) -> None:
-    """The place where a body starts, and those that it goes to, are places."""
+    """Check that the places where a body starts, and to which it goes, are places."""
     try:
         if isinstance(component, Motion):
             first_place(component)
@@ -198,7 +198,7 @@ def _check_places(who: Who, component: Controller | Motion) -> None:
 
 
 def _check_change(who: Who, record: Record) -> None:
-    """Warn of a sensor whose reading never changed: no trial can show whether it reads the right quantity."""
+    """Warn of a sensor whose reading never changed: no trial can then show that it reads the right quantity."""
     values = [outputs["values"] for outputs in record.outputs]
     if all(array.tobytes() == values[0].tobytes() for array in values):
         warnings.warn(

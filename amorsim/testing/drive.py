@@ -26,7 +26,7 @@ _SETTLING = 100  # steps until a drive follows its command
 
 
 class DriveTrial(Trial[Drive]):
-    """Advances the joints under the rig's commands, and asks for the body's motion."""
+    """Advances the joints under the rig's commands, and computes the body's motion."""
 
     def __init__(self, who: Who, rig: Rig, component: Drive, kin: list[Drive]) -> None:
         super().__init__(who, rig)
@@ -113,7 +113,7 @@ class DriveTrial(Trial[Drive]):
         return outputs
 
     def _facts(self, component: Drive, before: Array, after: Array) -> Outputs:
-        """Its wheels and limits, which zones, estimators and controllers ask for."""
+        """Its wheels and limits, which zones, estimators and controllers need."""
         rows, require, call = len(after), self.who.require, self.who.calling
         with call("contacts"):
             found: Any = component.contacts(after)
@@ -163,7 +163,7 @@ class DriveTrial(Trial[Drive]):
                 self._check_part_travel(drive, before, after)
 
     def _check_bound(self, drive: Drive, before: Array, after: Array) -> None:
-        """Whether what binds the drive's motion gives the bits of the simple form, and leaves the joints alone."""
+        """Check that what binds the drive's motion gives the bits of the simple form and does not change the joints."""
         one = np.ones((ROWS, 1))
         for name, expected in (
             ("twist", drive.twist(before, after)),
@@ -292,7 +292,7 @@ class DriveTrial(Trial[Drive]):
     def _settle(
         self, drive: Drive, session: Session, state: State, command: Array
     ) -> tuple[Array, npt.NDArray[np.bool_]]:
-        """The twist [m/s, m/s, rad/s] after a while under a command, and the rows in which it is steady."""
+        """The twist [m/s, m/s, rad/s] after some time under a command, and the rows in which it is steady."""
         joints, rates = self._place
         last = twist = np.zeros((ROWS, 3))
         one = np.ones((ROWS, 1))

@@ -15,7 +15,7 @@ __all__ = ["CheckError", "Who", "array_in_words"]
 
 
 def array_in_words(found: object) -> str:
-    """What was found in place of an array of some type and shape: ``"float32 (7,)"``, or the class of another thing."""
+    """What was found in place of an expected array: ``"float32 (7,)"``, or the class of another value."""
     return f"{found.dtype} {found.shape}" if isinstance(found, np.ndarray) else type(found).__name__
 
 
@@ -48,7 +48,7 @@ class Who:
 
     @contextlib.contextmanager
     def calling(self, method: str) -> Iterator[None]:
-        """Name the method in which the component raises, while it lasts."""
+        """A block in which a failure names the method that raised."""
         try:
             yield
         except CheckError:

@@ -126,7 +126,7 @@ class SensorTrial(Trial[Sensor]):
 
 
 class NoiseTrial(Trial[Noise]):
-    """Corrupts values that grow from step to step, some of them inf, or what a sensor of the rig reads."""
+    """Corrupts values that grow from step to step, some of them inf, or readings of a sensor of the rig."""
 
     def __init__(self, who: Who, rig: Rig, side: Mapping[str, float], sensor: str | None, inf: str) -> None:
         super().__init__(who, rig)

@@ -18,7 +18,7 @@ __all__ = ["check_map_loader"]
 
 
 def check_map_loader(who: Who, loader: MapLoader, path: Path | None) -> None:
-    """Try a loader with files that are none of its own, and with one that is, if there is one."""
+    """Try a loader with files of other formats, and with one of its own, if there is one."""
     noise = random.Random(1)
     junk = [b"", b"\x00" * 64, bytes(noise.randrange(256) for _ in range(4096)), b"no map at all\n"]
     for head in junk:

@@ -21,7 +21,7 @@ _STATUSES = ("found", "unreachable", "start_blocked", "goal_blocked", "budget")
 
 
 def check_planner(who: Who, planner: Planner) -> None:
-    """Try a planner in a hall of two rooms with a door, and a cell that nothing leads to."""
+    """Try a planner in a hall of two rooms with a door, and a cell that cannot be reached."""
     hall = _hall()
     start, goal = (1.05, 1.05, 0.0), (5.05, 3.05, 1.0)
     plan = _plan(who, planner, hall, start, goal)

@@ -29,7 +29,7 @@ _STEPS = 12
 
 
 def check_recorder(who: Who, recorder: Recorder) -> None:
-    """Let copies of a recorder write down a run of one replica and one of three, in which a robot meets a wall.
+    """Let copies of a recorder record a run of one replica and one of three, in which a robot meets a wall.
 
     It must end when it was never opened, when no step was made, and as it should; and let alone what it is given.
     """

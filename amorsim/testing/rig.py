@@ -80,14 +80,14 @@ def _surroundings(landmarks: Array) -> Surroundings:
 
 
 def _floor() -> Floor:
-    """Stripes a hand wide, so that a sensor is on one at times and off it at others, with drops between them."""
+    """Stripes a hand wide, so that a sensor is sometimes above one and sometimes not, with drops between them."""
     stripes = [Marking(points=((0.0, 0.2 * i), (12.0, 0.2 * i)), width=0.1, reflectance=0.02 * i) for i in range(40)]
     drops = [Drop(shape=Shape.rectangle(0.1, 8.0), pose=Pose(x=0.5 * i, y=4.0), depth=0.02 * i) for i in range(1, 24)]
     return Floor(markings=stripes, drops=drops)
 
 
 class Rig:
-    """Robots whose drives follow some commands, with the readings of their sensors and the initial poses they know.
+    """Robots whose drives follow given commands, with the readings of their sensors and their known start poses.
 
     Everything is the same each time. The input of a row depends only on its number; rows beyond 64 repeat the first.
 
@@ -259,7 +259,7 @@ class Session:
         self.rig.set_view(self.view, self.rows, t)
 
     def measurements(self) -> dict[str, Measurement]:
-        """The readings of this step; now and then a row has none that is new, and holds the one before."""
+        """The readings of this step; now and then a row has no new one, and keeps the one before."""
         stale = ((self.index + self.t) % 4 == 0) & (self.t > 0)
         stamp = (self.t - stale.astype(np.int64))[:, None]
         age = (self.t - stamp) * DT

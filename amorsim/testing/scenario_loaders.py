@@ -16,7 +16,7 @@ _JUNK = (b"", b"\x00" * 64, bytes(range(256)) * 16, b"no scenario at all\n", b"(
 
 
 def check_scenario_loader(who: Who, loader: ScenarioLoader, path: Path | None) -> None:
-    """Try a loader with files that are none of its own, and with one that is, if there is one."""
+    """Try a loader with files of other formats, and with one of its own, if there is one."""
     with tempfile.TemporaryDirectory() as folder:
         for number, content in enumerate(_JUNK):
             with who.calling("sniff"):

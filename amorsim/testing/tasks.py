@@ -47,7 +47,7 @@ def check_task(who: Who, task: Task, scene: Scenario | None) -> None:
 
 
 def _trial(who: Who, task: Task, scenario: Scenario, replicas: Sequence[int]) -> dict[str, list[Array]]:
-    """What the task gives, step by step, on a robot that drives about."""
+    """The results of a task, step by step, on a robot that drives about."""
     simulation = Simulation(scenario, replicas=list(replicas))
     name = scenario.robots[0].name
     rows = len(replicas)
@@ -124,7 +124,7 @@ def _observed(who: Who, task: Task, known: Observable, episode: dict[str, Array]
 
 
 def _check_blindness(who: Who, task: Task, known: Observable, truth: TrueState, episode: dict[str, Array]) -> None:
-    """What was judged by another truth changes no observation: the robot would know what it cannot."""
+    """Check that another truth, once judged, changes no observation: a robot cannot know it."""
     elsewhere = truth._replace(
         pose=truth.pose + 0.7,
         twist=truth.twist - 0.3,

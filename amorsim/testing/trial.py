@@ -34,7 +34,7 @@ class Given:
         self._kept: list[tuple[str, Anything, Anything]] = []
 
     def add(self, name: str, array: Anything | None) -> None:
-        """Keep an array in mind."""
+        """Remember an array, to see later whether it was changed."""
         if array is not None and array.dtype != object:
             self._kept.append((name, array, array.copy()))
 
@@ -167,7 +167,7 @@ def _plain(state: State) -> Outputs:
 
 
 def try_rows(trial: Trial[Any], components: Sequence[Any]) -> Record:
-    """Put 64 components through everything that holds for all kinds; what came of them as 64 rows."""
+    """Try what holds for all kinds on 64 components; returns the results as 64 rows."""
     who = trial.who
     whole = _Run(trial, components, _EVERY).steps(0, STEPS)
 

@@ -1,4 +1,4 @@
-"""Components made from their classes alone, and copies of one that differ in every number."""
+"""Components made from their classes alone, and copies of one in which every number differs."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ T = TypeVar("T")
 
 
 def example(cls: type[T], **given: Any) -> T:
-    """A component of a class: fields as `given`, else their defaults, else some value that they should take.
+    """A component of a class: its fields are as `given`, else their defaults, else values that should be valid.
 
     Raises
     ------

@@ -82,7 +82,7 @@ def _of_spaces(env: VectorEnv[Any, Any, Any]) -> Iterator[str]:
 
 
 class _Moment:
-    """What one call returned, and a copy of it from that time."""
+    """The result of one call, and a copy of it made then."""
 
     def __init__(self, returned: Step, ended_before: Bools) -> None:
         self.returned = returned
@@ -153,7 +153,7 @@ def _of_ends(env: VectorEnv[Any, Any, Any], moments: list[_Moment], mode: str) -
 
 
 def _of_masks(env: VectorEnv[Any, Any, Any]) -> Iterator[str]:
-    """A reset of one environment changes no other."""
+    """Check that a reset of one environment changes no other."""
     env.reset(seed=SEED)
     before = _copied(env.step(env.action_space.sample())[0])
     mask = np.zeros(env.num_envs, dtype=bool)
@@ -164,7 +164,7 @@ def _of_masks(env: VectorEnv[Any, Any, Any]) -> Iterator[str]:
 
 
 def _of_rows(env: VectorEnv[Any, Any, Any], actions: list[Any], moments: list[_Moment]) -> Iterator[str]:
-    """Other actions of the first environment change no other environment, as long as no episode ends."""
+    """Check that other actions of the first environment change no other one, as long as no episode ends."""
     other = []
     for action in actions:
         changed = _copied(action)

@@ -21,7 +21,7 @@ _BORDER = 0.1  # [m]
 
 @attrs.frozen(kw_only=True)
 class Cave(CellWorld):
-    """A cave: random rock, smoothed by a cellular automaton in which a cell becomes what most cells around it are.
+    """A cave: random rock, smoothed by a cellular automaton in which a cell becomes like most cells around it.
 
     Where hardly anything of it is connected, it is drawn again.
     """

@@ -56,7 +56,7 @@ class Crossing(CellWorld):
 
 
 def _blocks(cells: int, streets: int, street: int, numbers: Numbers) -> list[tuple[int, int]]:
-    """First and last cell (exclusive) of each block between streets, whose places differ a little."""
+    """First cell and last cell (exclusive) of each block between streets, with small random shifts."""
     block = (cells - streets * street) / (streets + 1)
     found, begin = [], 0
     for number in range(1, streets + 1):

@@ -92,7 +92,7 @@ class DrawnWorld:
 
 
 def map_of(world: Map, replica: int) -> Map:
-    """The map of a replica: that of a `DrawnWorld` made for it, and any other map as it is."""
+    """The map of a replica: the one made for it by a `DrawnWorld`; any other map is returned as it is."""
     origin = origin_of(world)
     return world if origin is None or origin.replica == replica else origin.of(replica).make()
 
@@ -115,7 +115,7 @@ def can_be_drawn(field: Parameter, distribution: Distribution | None = None) -> 
 
 
 def middle_of(field: Parameter, distribution: Distribution) -> float | int:
-    """The middle of a distribution: what stands for a parameter before it is drawn."""
+    """The middle of a distribution, which stands for a parameter until it is drawn."""
     first, second = distribution.values
     middle = first if distribution.kind == "normal" else first + 0.5 * (second - first)
     return int(middle) if _is_whole(field) else middle
@@ -132,7 +132,7 @@ def _is_whole(field: Parameter) -> bool:
 
 
 def _whole(number: float, distribution: Distribution) -> int:
-    """A whole number, each between the ends of a uniform distribution as likely as the others."""
+    """A whole number between the ends of a uniform distribution, all equally likely."""
     low, high = (int(value) for value in distribution.values)
     share = (number - low) / (high - low) if high > low else 0.0
     return min(low + int(share * (high - low + 1)), high)

@@ -81,7 +81,7 @@ class Forest(CellWorld):
 
 
 def _most_discs(rows: int, cols: int, radius: float) -> float:
-    """How many discs that do not overlap have their middles in a rectangle, at most; all lengths in cells.
+    """The largest number of discs without overlap whose middles are in a rectangle; all lengths in cells.
 
     Source: H. Groemer, "Über die Einlagerung von Kreisen in einen konvexen Bereich", Math. Z. 73 (1960).
     """

@@ -19,7 +19,7 @@ _STREAM = "world"
 
 @attrs.frozen(kw_only=True)
 class MadeWorld:
-    """The origin of a generated map: the generator, which holds the parameters, the seed, and whose draws it gets.
+    """The origin of a generated map: the generator with its parameters, the seed, and the stream of draws.
 
     A map that is the same for all replicas has the draws of replica 0.
     """

@@ -23,7 +23,7 @@ class Maze(CellWorld):
     loops: float = parameter(0.0, ge=0, le=1, help="share of the other walls that are opened; 0 for one way only")
 
     def draw(self, sheet: Sheet, numbers: Numbers) -> None:
-        """Draw the maze; ways are a little wider where the size asks for it."""
+        """Draw the maze; corridors are a little wider where the size leaves room."""
         corridor, wall = self.need_passage("corridor", self.corridor), self.in_cells(self.wall)
         pitch = corridor + wall
         self.need_size(pitch + wall, pitch + wall, "a maze of one cell")

@@ -1,4 +1,4 @@
-"""Worlds in which a disc gets everywhere: where it fits, and pockets that it cannot reach are filled."""
+"""Worlds in which a disc reaches every free place: pockets that it cannot reach are filled."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _MOST_ROUNDS = 1000
 
 
 def reach_of(clearance: float) -> NDArray[np.int64]:
-    """For each number of rows the columns up to which a cell is nearer than `clearance` [cells] to a cell's middle."""
+    """For each row offset, up to which column a cell is nearer than `clearance` [cells] to a cell's middle."""
     reach: list[int] = []
     while max(len(reach) - 0.5, 0.0) < clearance:
         rows = max(len(reach) - 0.5, 0.0)
@@ -30,7 +30,7 @@ def reach_of(clearance: float) -> NDArray[np.int64]:
 
 
 def places_for(cells: Cells, clearance: float, resolution: float) -> Cells:
-    """1 for each cell around whose middle a disc of `clearance` [m], and half a cell more, touches nothing.
+    """1 for each cell around whose middle a disc of `clearance` [m], and half a cell more, is free.
 
     Such a disc moves from one of these cells to the next, along rows and columns, and keeps its clearance on the way.
     Outside the array everything is occupied.
@@ -81,13 +81,13 @@ def without_pockets(cells: Cells, clearance: float, resolution: float) -> tuple[
 
 
 def _without_cracks(cells: Cells, main: Cells) -> Cells:
-    """The cells with all filled that free cells do not connect to `main` at all, which are rests of pockets."""
+    """The cells, with free ones filled that are not connected to `main`: they are rests of pockets."""
     parts, sizes = open_parts(1 - cells)
     return cells if len(sizes) == 2 else (parts != parts.flat[int(np.argmax(main))]).astype(np.uint8)
 
 
 def nearest(places: Cells, row: float, col: float) -> tuple[int, int]:
-    """The set cell that a place given in cells is in, or else the nearest; of equally near ones the first."""
+    """The set cell at a place given in cells, or else the nearest one; the first of equally near ones."""
     at = int(row), int(col)
     if 0 <= at[0] < places.shape[0] and 0 <= at[1] < places.shape[1] and places[at]:
         return at

@@ -1,4 +1,4 @@
-"""The random numbers of one world, one after the other."""
+"""A sequence of random numbers for one world."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Numbers:
         return min(int(self.uniform() * count), count - 1)
 
     def between(self, low: int, high: int) -> int:
-        """A whole number from `low` to `high`; `low` if there is none."""
+        """A whole number from `low` to `high`; `low` if the range is empty."""
         return low + self.below(max(high - low + 1, 1))
 
     def chance(self, probability: float) -> bool:

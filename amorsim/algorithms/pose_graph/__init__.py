@@ -1,4 +1,4 @@
-"""Graphs of poses in the plane and what was measured between them: read, written and solved."""
+"""Graphs of poses in the plane, and measurements between them: read, written and solved."""
 
 from amorsim.algorithms.pose_graph.g2o import read_g2o, write_g2o
 from amorsim.algorithms.pose_graph.graph import PoseGraph

@@ -69,7 +69,7 @@ def read_g2o(path: str | Path) -> PoseGraph:
 
 
 def _values(words: list[str], where: str) -> tuple[list[int], list[float]]:
-    """The whole numbers of a line, and the others."""
+    """The whole numbers of a line, and its other numbers."""
     if words[0] not in _SIZES:
         known = ", ".join(_SIZES)
         raise GraphError(f"{where}: {words[0]!r} is no line of a graph in the plane; expected {known} or FIX")

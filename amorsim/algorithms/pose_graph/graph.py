@@ -1,4 +1,4 @@
-"""A graph of poses: where they are thought to be, and what was measured between pairs of them."""
+"""A graph of poses: estimated poses, and measurements between pairs of them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pose graphs some of whose edges are wrong: each edge is weighed by how well it agrees with the others.
+"""Pose graphs with some wrong edges: each edge is weighted by its agreement with the others.
 
 Dynamic covariance scaling: an edge with the squared error χ² has its information multiplied by s², where
 s = 2Φ / (Φ + χ²), at most 1. Poses and weights are found in turn. Source: P. Agarwal, G. D. Tipaldi, L. Spinello,

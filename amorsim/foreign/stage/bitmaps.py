@@ -1,4 +1,4 @@
-"""Bitmaps of a Stage world: which pixels are dark, and which cells of a map they fill."""
+"""Bitmaps of a Stage world: their dark pixels, and the cells of a map that these fill."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def dark_pixels(path: Path) -> Cells:
 
 
 def dark_span(dark: Cells) -> tuple[slice, slice]:
-    """The rows and columns of a picture that hold all its dark pixels; all of them if none is dark."""
+    """The rows and columns of a picture between which all its dark pixels are; all of them if none is dark."""
     spans = []
     for axis in (1, 0):
         found = np.flatnonzero(dark.any(axis=axis))
@@ -71,7 +71,7 @@ def dark_span(dark: Cells) -> tuple[slice, slice]:
 
 
 def is_dark_near(dark: Cells, box: Box, bounds: tuple[float, float, float, float], margin: float) -> bool:
-    """Whether a dark pixel of a picture that fills a box may touch what lies within bounds (xmin, ymin, xmax, ymax)."""
+    """Whether dark pixels of a picture stretched over a box may touch the bounds (xmin, ymin, xmax, ymax)."""
     xmin, ymin, xmax, ymax = bounds
     corners = [(x, y) for x in (xmin - margin, xmax + margin) for y in (ymin - margin, ymax + margin)]
     places = np.array([_inside(box, dark, x, y) for x, y in corners])

@@ -177,7 +177,7 @@ class _Parser:
         return Value(tuple(items), key.place)
 
     def _fill(self, entity: _Entity, depth: int) -> Model:
-        """A model with its macros filled in: the entries of a macro come first, and its children too."""
+        """A model with its macros inserted: entries and children of a macro come first."""
         known = self._filled.get(id(entity))
         if known is not None:
             return known[1]

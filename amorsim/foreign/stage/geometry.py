@@ -62,7 +62,7 @@ class Box(NamedTuple):
 
 
 def neat(number: float) -> float:
-    """A number without what computing left in its last digits."""
+    """A number without the rounding errors of its last digits."""
     return round(number, 9) + 0.0
 
 
@@ -110,7 +110,7 @@ def size_of(model: Model, notes: Notes) -> tuple[float, float, float]:
 
 
 def outline_of(model: Model, notes: Notes) -> Any:
-    """The area that a model covers, in its own frame: its blocks, which fill its size, or a rectangle of its size.
+    """The area that a model covers, in its own frame: its blocks scaled to its size, or a rectangle of that size.
 
     None where it covers none: a model that is a line.
     """

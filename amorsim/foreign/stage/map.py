@@ -1,4 +1,4 @@
-"""The map of a Stage world: its floor plan, with what else in it cannot move."""
+"""The map of a Stage world: its floor plan, and other models that cannot move."""
 
 from __future__ import annotations
 

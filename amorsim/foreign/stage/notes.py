@@ -1,4 +1,4 @@
-"""What is noted while a Stage world is read: the values of its keys, what is wrong, and what is left out."""
+"""Notes taken while a Stage world is read: values of keys, faults, and what is left out."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _READ_EVERYWHERE = frozenset({"name", "ctrl", "color", "color_rgba", "shape"})
 
 
 class Notes:
-    """Reads the values of keys; a value that is none is a fault, and the default is taken to find more of them."""
+    """Reads the values of keys; an invalid value is a fault, and its default is used to find further faults."""
 
     def __init__(self) -> None:
         self.faults: list[Fault] = []
@@ -35,7 +35,7 @@ class Notes:
         self._shown_only: dict[str, None] = {}
 
     def fault(self, place: Place, message: str) -> None:
-        """Note what is wrong in a line, once: a value may be read for several things."""
+        """Note a fault in a line, once: a value may be read for several things."""
         fault = Fault(file=str(place.file), path="", line=place.line, message=message)
         if len(self.faults) < _MOST_FAULTS and fault not in self.faults:
             self.faults.append(fault)
@@ -46,7 +46,7 @@ class Notes:
             raise ScenarioError(self.faults)
 
     def remark(self, about: str, text: str, place: Place | None = None) -> None:
-        """Note what is left out or changed, unless there is a remark about this."""
+        """Note what is left out or changed, unless that was noted."""
         where = "" if place is None else f"{place.file.name}:{place.line}: "
         self._remarks.setdefault(about, where + text)
 
@@ -91,7 +91,7 @@ class Notes:
         return int(found)
 
     def numbers(self, values: Mapping[str, Value], key: str, least: int) -> list[float]:
-        """The numbers at a key, `least` of them or more; none if it is not there, or after a fault."""
+        """The numbers at a key, at least `least` of them; None if it is missing, or after a fault."""
         value = values.get(key)
         if value is None:
             return []

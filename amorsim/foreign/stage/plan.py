@@ -1,4 +1,4 @@
-"""What the models of a Stage world are here: walls, robots, obstacles, landmarks and zones."""
+"""The models of a Stage world as things of a scenario: walls, robots, obstacles, landmarks and zones."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ _OF_MODEL = frozenset(
 
 @attrs.frozen(kw_only=True, eq=False)
 class Body:
-    """Something that stands, or a part of the floor: its area in the frame of a spot."""
+    """A standing body, or a part of the floor: its area in the frame of a spot."""
 
     name: str
     area: Any
@@ -85,7 +85,7 @@ class Mark:
 
 @attrs.frozen(kw_only=True, eq=False)
 class Picture:
-    """A bitmap, and what it is stretched over."""
+    """A bitmap, and the box that it is stretched over."""
 
     dark: Cells
     box: Box
@@ -93,7 +93,7 @@ class Picture:
 
 @attrs.define(eq=False)
 class Plan:
-    """What a world holds. `walls` are closed rings of points in the world; `remarks` are on the map alone."""
+    """The content of a world. `walls` are closed rings of points in the world; `remarks` are on the map alone."""
 
     resolution: float = _RESOLUTION
     extent: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
@@ -113,7 +113,7 @@ class Plan:
 
 
 def plan_of(world: World, notes: Notes, *, crop_bitmaps: bool, resolution: float | None) -> Plan:
-    """What a world's models are; the faults are in the notes.
+    """The plan of a world's models; its faults are in the notes.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ class _Planner:
         self.plan = Plan()
 
     def walk(self, models: Iterable[Model], at: Spot) -> None:
-        """Put models into the plan that stand in a frame."""
+        """Put models that stand in a frame into the plan."""
         for model in models:
             if model.kind == "position":
                 self.plan.robots.append((model, at.then(pose_of(model, self._notes))))
@@ -232,7 +232,7 @@ class _Planner:
         self.plan.pictures.append(Picture(dark=dark, box=box))
 
     def split(self) -> None:
-        """Make walls of bodies that overlap others or a bitmap, and of those with holes: an obstacle stands free."""
+        """Make walls of bodies that have holes or overlap others or a bitmap, since an obstacle must stand free."""
         plan = self.plan
         if len(plan.bodies) > _MOST_BODIES:
             place = plan.bodies[_MOST_BODIES].model.place
@@ -299,7 +299,7 @@ class _Planner:
 
 
 def _overlapping(areas: Sequence[Any]) -> set[int]:
-    """Those of the areas whose inside another one's overlaps; touching is none."""
+    """The areas whose insides overlap another one's; touching does not count."""
     tree, them = shapely.STRtree(areas), np.array(areas, dtype=object)
     found = set()
     for i, area in enumerate(areas):
@@ -339,6 +339,6 @@ def _with(
 
 
 def _rounded(side: float) -> float:
-    """The next of 1, 2 and 5 times a power of ten that is not below."""
+    """The smallest of 1, 2 and 5 times powers of ten that is not less."""
     power = 10.0 ** math.floor(math.log10(side))
     return next(number * power for number in (1.0, 2.0, 5.0, 10.0) if number * power >= side * (1 - 1e-9))

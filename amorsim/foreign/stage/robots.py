@@ -53,7 +53,7 @@ _OF_ROBOT = frozenset(
 
 @attrs.frozen(kw_only=True)
 class RobotOptions:
-    """What is done as Stage does it, and what robots do whose programs are Stage's."""
+    """Which behaviour of Stage is kept, and what robots do whose programs are Stage's."""
 
     sensors: SensorOptions
     other_controllers: str
@@ -86,7 +86,7 @@ def read_robot(model: Model, interval: float, notes: Notes, options: RobotOption
 
 
 def _shape(model: Model, notes: Notes) -> Table:
-    """The footprint: the body with what it carries that has one; of what is not in one piece, the hull."""
+    """The footprint: the body with all parts on it that have one; the hull if it is not in one piece."""
     areas = [area for area in (outline_of(model, notes), *_carried(model, Spot(), notes)) if area is not None]
     parts = polygons(shapely.unary_union(areas)) if areas else []
     if not parts:
@@ -111,7 +111,7 @@ def _carried(model: Model, at: Spot, notes: Notes) -> list[Any]:
 
 
 def _bounds(model: Model, key: str, notes: Notes) -> tuple[float, float, float]:
-    """The largest of both directions, ahead, aside [m] and turning [deg]; Stage's defaults where a world has none."""
+    """The larger bound of both directions, ahead, aside [m] and turning [deg]; Stage's defaults if there are none."""
     numbers = notes.numbers(model.values, key, 2)
     pairs = [numbers[at : at + 2] for at in (0, 2, 6)]
     ahead, aside, turn = (
@@ -122,7 +122,7 @@ def _bounds(model: Model, key: str, notes: Notes) -> tuple[float, float, float]:
 
 
 def _drive(model: Model, notes: Notes) -> tuple[Table, float, float]:
-    """The drive, and how fast the robot goes [m/s] and turns [deg/s] at most."""
+    """The drive, and the top speed [m/s] and turn rate [deg/s]."""
     kind = notes.text(model.values, "drive", "diff")
     if kind not in ("diff", "omni", "car"):
         notes.fault(model.values["drive"].place, f"drive: expected diff, omni or car, got {kind!r}")

@@ -35,7 +35,7 @@ _OF_BUMPER = frozenset({"bcount", "bpose", "blength", *_OF_BODY})
 
 @attrs.frozen(kw_only=True)
 class SensorOptions:
-    """What is done as Stage does it."""
+    """Which behaviour of Stage is kept."""
 
     noise_as_variance: bool
     sonar_as_ray: bool
@@ -54,7 +54,7 @@ class _Beam(NamedTuple):
 
     @property
     def kind(self) -> tuple[Any, ...]:
-        """What elements of one ring have in common."""
+        """The properties that elements of one ring share."""
         return self[2:]
 
 
@@ -105,7 +105,7 @@ def _ranger(
 
 
 def _beams(model: Model, spot: Spot, interval: float, notes: Notes) -> Iterable[_Beam]:
-    """The sensors of a ranger, or the one that it is by itself, as in Stage 2 and 3."""
+    """The sensors of a ranger, or in Stage 2 and 3 the single one that it is."""
     notes.check_keys(model, _OF_LASER if model.kind == "laser" else _OF_RANGER)
     rate = _rate(model, interval, notes)
     sensors = [each for each in model.inner if each.kind == "sensor"]
@@ -186,7 +186,7 @@ def _finder(model: Model, spot: Spot, interval: float, notes: Notes) -> Table:
 
 
 def _bumper(model: Model, spot: Spot, notes: Notes) -> Table | None:
-    """A bumper: the directions from its middle between which each of its parts lies."""
+    """A bumper: the directions from its middle that bound each of its parts."""
     notes.check_keys(model, _OF_BUMPER)
     segments = []
     common = notes.number(model.values, "blength", 0.1)

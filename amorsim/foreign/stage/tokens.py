@@ -50,7 +50,7 @@ class Token(NamedTuple):
 
 
 class Tokens(NamedTuple):
-    """The tokens of a world, and the files that they are from: the world, then what it includes, each once."""
+    """The tokens of a world and the files that they come from: the world's, then each included one, once."""
 
     tokens: list[Token]
     files: tuple[Path, ...]
@@ -62,7 +62,7 @@ def fault_at(place: Place, message: str) -> ScenarioError:
 
 
 def looks_like_stage(head: bytes, *, is_sure: bool = False) -> bool:
-    """Whether a file that begins so may be a world of Stage: comments, then a word and what belongs to it.
+    """Whether a file with this beginning may be a world of Stage: comments, then a word and its block or value.
 
     Where `is_sure`, that must be a statement with which worlds of Stage begin, and hardly any other text.
     """
@@ -101,7 +101,7 @@ class _Reader:
         self.files: dict[Path, None] = {}
 
     def read(self, path: Path, asked: Place | None, outer: tuple[Path, ...]) -> None:
-        """Add the tokens of a file, which was included by a line, and by `outer` files."""
+        """Add the tokens of a file, which `outer` files include by a line."""
         text = self._text(path, asked)
         self.files.setdefault(path)
         number = 1

@@ -1,4 +1,4 @@
-"""A scenario's robots, obstacles and landmarks as models of a Stage world, and what of them Stage cannot hold.
+"""Robots, obstacles and landmarks of a scenario as models of a Stage world, and what Stage cannot hold of them.
 
 The models are such that the scenario loader of Stage reads them as what they were.
 """
@@ -22,7 +22,7 @@ _DISC = _CORNERS / 2.0 * math.sin(2.0 * math.pi / _CORNERS) / math.pi  # its sha
 
 
 class _Lost:
-    """What is lost, and for which robots; the same loss of many is one line."""
+    """What is lost, and for which robots; the same loss of many robots is one line."""
 
     def __init__(self) -> None:
         self._whose: dict[str, list[str]] = {}
@@ -32,7 +32,7 @@ class _Lost:
         self._whose.setdefault(what, []).append(whose)
 
     def lines(self) -> list[str]:
-        """A sentence for each kind of loss, which names the first three that it happens to."""
+        """A sentence for each kind of loss, with the names of the first three robots."""
         found = []
         for what, whose in self._whose.items():
             names = list(dict.fromkeys(whose))
@@ -178,7 +178,7 @@ def _colour(body: Table) -> list[str]:
 
 
 def _footprint(shape: Table, body: Table, lost: _Lost, who: str) -> list[str]:
-    """Size, origin and blocks: what is read is the same polygon about the same base point."""
+    """Size, origin and blocks, from which Stage makes the same polygon about the same base point."""
     length, width = _size(shape)
     height = body.get("height", 1.0)
     if shape.get("rounding"):

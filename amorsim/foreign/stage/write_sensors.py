@@ -1,4 +1,4 @@
-"""The sensors of a scenario's robot as what carries them in a Stage world, and what of them Stage cannot hold."""
+"""The sensors of a scenario's robot as models of a Stage world, and what Stage cannot hold of them."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def list_of(numbers: Iterable[float]) -> str:
 
 
 def written_sensors(sensors: Mapping[str, Table], lose: Lose) -> list[str]:
-    """The statements of rangers, fiducial finders and bumpers; `lose` hears of each loss."""
+    """The statements of rangers, fiducial finders and bumpers; `lose` is called with each loss."""
     found: list[str] = []
     for name, sensor in sensors.items():
         use = sensor["use"]

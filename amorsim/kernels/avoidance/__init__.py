@@ -1,1 +1,1 @@
-"""Choosing twists that keep clear of what was seen, and of others."""
+"""Twists that keep clear of obstacles and of other robots."""

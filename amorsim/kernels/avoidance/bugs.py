@@ -76,7 +76,7 @@ def _look(
 
 @part
 def _along_border(points: Floats, keep: float) -> float:
-    """The direction along the nearest thing, which stays to the right at a distance [m]."""
+    """The direction along the nearest surface, which stays to the right at a distance [m]."""
     distance, bearing = _nearest(points)
     lean = min(max(_CORRECTION * (distance - keep), -0.7), 0.7)
     return wrap(bearing + 0.5 * math.pi - lean)

@@ -1,4 +1,4 @@
-"""The dynamic window: of the twists that a drive can have in the next step, the best from which it can still brake."""
+"""The dynamic window: of the twists that a drive can have next, the best one from which it can still brake."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ _EDGE = 0.01  # [rad] beyond the outermost beams that is still seen
 
 
 class Scene(NamedTuple):
-    """What N robots see, and what they passed."""
+    """What N robots see and what they passed."""
 
     sight: Sight
     """What range finders read."""
@@ -56,7 +56,7 @@ class Scene(NamedTuple):
 
 
 class Abilities(NamedTuple):
-    """What N robots may do at most."""
+    """The limits of N robots."""
 
     speed: Column
     """(N, 1) [m/s] ahead."""
@@ -73,7 +73,7 @@ class Abilities(NamedTuple):
 
 
 class Weights(NamedTuple):
-    """What N robots compare twists by, each (N, 1)."""
+    """The weights by which N robots compare twists, each (N, 1)."""
 
     margin: Column
     """[m] kept around the footprint."""
@@ -91,7 +91,7 @@ class Weights(NamedTuple):
 
 @part
 def braking_time(v: float, w: float, limits: Floats) -> float:
-    """The time [s] in which a drive can come to rest from a twist along the same arc."""
+    """The time [s] in which a drive can stop from a twist along the same arc."""
     time: float = abs(v) / limits[2] + abs(w) / limits[3]
     return time
 

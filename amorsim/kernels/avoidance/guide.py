@@ -77,7 +77,7 @@ def ahead_on(path: Floats, along: Floats, count: int, leg: int, s: float) -> tup
 
 @part
 def to_go(path: Floats, along: Floats, count: int, leg: int, until: float, pull: float, x: float, y: float) -> float:
-    """The way [m] from (x, y) to the end: to the path, which counts `pull` times, and along it.
+    """The way [m] from (x, y) to the end: to the path, weighted by `pull`, and along it.
 
     Legs from `leg` on are looked at that begin before `until` [m] along the path.
     """

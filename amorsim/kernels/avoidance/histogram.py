@@ -48,7 +48,7 @@ def block_sectors(points: Floats, room: float, far: float, blocked: Bools) -> No
 
 @part
 def _cost(bearing: float, goal: float, last: float, weights: Floats) -> float:
-    """What a direction costs: its angles from the goal, from the present heading, and from the last choice."""
+    """The cost of a direction: of its angles from the goal, the present heading and the last choice."""
     cost: float = weights[0] * abs(wrap(bearing - goal)) + weights[1] * abs(wrap(bearing))
     cost += weights[2] * abs(wrap(bearing - last))
     return cost

@@ -1,4 +1,4 @@
-"""Hybrid reciprocal velocity obstacles (HRVO): of velocities that keep clear of all others, the nearest to the wanted.
+"""Hybrid reciprocal velocity obstacles (HRVO): of velocities clear of all others, the nearest to the wanted one.
 
 After J. Snape, J. van den Berg, S. J. Guy and D. Manocha, "The hybrid reciprocal velocity obstacle", IEEE Transactions
 on Robotics 27 (4), 2011.
@@ -67,7 +67,7 @@ def _is_inside(cones: Floats, j: int, x: float, y: float) -> bool:
 
 
 class Wish(NamedTuple):
-    """What is asked of a velocity."""
+    """The wanted velocity, and bounds of the choice."""
 
     x: float
     y: float
@@ -80,7 +80,7 @@ class Wish(NamedTuple):
 
 @part
 def _add(cones: Floats, clear: int, wish: Wish, x: float, y: float, count: int, out: Floats) -> int:
-    """Add a velocity to `count` of them if it is near enough, and in none of the first `clear` cones; their number."""
+    """Add a velocity to `count` of them if it is near enough and outside the first `clear` cones; their number."""
     if x * x + y * y > wish.most * wish.most * (1.0 + 1e-9) or _off(wish, x, y) > wish.off:
         return count
     for j in range(clear):

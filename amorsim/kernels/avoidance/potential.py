@@ -1,4 +1,4 @@
-"""An artificial potential: the goal attracts, and what is seen repels."""
+"""An artificial potential: the goal attracts, and obstacles repel."""
 
 from __future__ import annotations
 

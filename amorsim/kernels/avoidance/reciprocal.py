@@ -1,4 +1,4 @@
-"""Optimal reciprocal collision avoidance (ORCA): half-planes of velocities, and the one nearest to what is wanted.
+"""Optimal reciprocal collision avoidance (ORCA): half-planes of velocities, and the one nearest to the wanted one.
 
 After J. van den Berg, S. J. Guy, M. Lin and D. Manocha, "Reciprocal n-body collision avoidance", ISRR 2009, and its
 authors' RVO2 library, whose steps it takes in the same order.

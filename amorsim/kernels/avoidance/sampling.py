@@ -1,4 +1,4 @@
-"""Model predictive path integral control (MPPI): many noisy runs ahead, weighted by what they cost."""
+"""Model predictive path integral control (MPPI): many noisy simulated drives, weighted by their costs."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Field(NamedTuple):
 
 
 class Costs(NamedTuple):
-    """What the runs ahead cost, each (N, 1)."""
+    """The costs of simulated drives, each (N, 1)."""
 
     temperature: Column
     """Cost by which a run may be worse than the best and still count."""

@@ -1,4 +1,4 @@
-"""What a robot saw around itself lately: a window of cells that moves along with it, in the world of its estimate.
+"""What a robot saw around itself lately: a window of cells that moves with it, in the world of its estimate.
 
 Cell (column, row) of the world is at ``[row mod S, column mod S]`` of the window's S x S cells, so that nothing is
 copied as the window moves.
@@ -43,7 +43,7 @@ class Window(NamedTuple):
 
 @part
 def _move(seen: npt.NDArray[np.float32], corner: Ints, col: int, row: int) -> None:
-    """Move a window, and forget what is in the cells that come in."""
+    """Move a window, and clear the cells that come in."""
     size = seen.shape[0]
     if abs(col - corner[0]) >= size or abs(row - corner[1]) >= size:
         seen[:, :] = _NEVER

@@ -1,4 +1,4 @@
-"""From places on a path and velocities that are wanted to twists that a drive can have."""
+"""From places on a path and wanted velocities to twists that a drive can have."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What controllers and motions decide, row by row."""
+"""The decisions of controllers and motions, row by row."""

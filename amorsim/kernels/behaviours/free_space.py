@@ -93,7 +93,7 @@ def see_points(ranges: Floats, beams: Floats, half_angle: float, points: Floats)
 
 @part
 def _seen_past(ranges: Floats, beams: Floats, half_angle: float, own: int, x: float, y: float) -> bool:
-    """Whether another cone than `own` holds the point, and its nearest return lies farther away."""
+    """Whether a cone other than `own` holds the point and has its nearest return farther away."""
     for j in range(ranges.shape[0]):
         if j == own or math.isnan(ranges[j]):
             continue
@@ -109,7 +109,7 @@ def _seen_past(ranges: Floats, beams: Floats, half_angle: float, own: int, x: fl
 
 @part
 def _least(numbers: Floats) -> float:
-    """The least of them, which are lost: half after half is compared with the other, several numbers at a time."""
+    """The least of some numbers, which are overwritten: halves are compared, several numbers at a time."""
     count = numbers.shape[0]
     if count == 0:
         return math.inf
@@ -154,7 +154,7 @@ def nearest_distance(points: Floats) -> float:
 
 @part
 def nearest_side(points: Floats) -> float:
-    """Which side the nearest point is on: 1 left, -1 right."""
+    """The side of the nearest point: 1 left, -1 right."""
     nearest = math.inf
     side = 1.0
     for n in range(points.shape[1]):

@@ -1,4 +1,4 @@
-"""Going to a pose: turn towards it, drive there, turn as asked."""
+"""Going to a pose: turn towards it, drive there, turn to its heading."""
 
 from __future__ import annotations
 

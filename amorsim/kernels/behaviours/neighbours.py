@@ -45,7 +45,7 @@ class Looking(NamedTuple):
 
 @kernel
 def find_neighbours(table: BodyHash, crowd: Crowd, replica_first: Ints, rows: Looking, first: Ints, body: Ints) -> int:
-    """How many neighbours all rows have; they are written if there is room for them.
+    """The number of neighbours of all rows; they are written if there is room for them.
 
     A body is a row's neighbour if its circle is at most ``range_max + speed * ahead`` away from the row's base point,
     and if it is of another owner.

@@ -37,7 +37,7 @@ class Course(NamedTuple):
 
 
 class Pace(NamedTuple):
-    """How fast N robots drive and turn at most, as they are asked to and as their drives can."""
+    """The top speeds and turn rates of N robots: the wanted ones and those of their drives."""
 
     speed: Column
     """(N, 1) [m/s]"""
@@ -99,7 +99,7 @@ def _place(path: Floats, along: Floats, s: float, loops: bool) -> tuple[float, f
 
 @kernel
 def _leg(along: Floats, s: float, loops: bool) -> int:
-    """The leg, by the number of the point that it begins at, which leads on from `s` along the path."""
+    """The leg of the path at `s`, by the number of its first point."""
     last = along.shape[0] - 1
     if loops and s >= along[last]:
         return 1
@@ -111,7 +111,7 @@ def _leg(along: Floats, s: float, loops: bool) -> int:
 
 @kernel
 def _until(along: Floats, stop: int, s: float) -> float:
-    """Distance from `s` to the next stop of the path, inf if there is none."""
+    """The distance from `s` to the next stop of the path, inf if there is none."""
     if stop < 0:
         return math.inf
     where: float = along[stop]

@@ -78,7 +78,7 @@ def _in_sight(px: float, py: float, wanted_x: float, wanted_y: float, cosine: fl
 
 @part
 def _share(before: float, after: float) -> float:
-    """The share of a step in which a number that goes evenly from one value to another is not negative."""
+    """The share of a step in which a number is not negative that changes evenly from one value to another."""
     if before >= 0.0:
         return 1.0 if after >= 0.0 else before / (before - after)
     return after / (after - before) if after > 0.0 else 0.0
@@ -98,7 +98,7 @@ def social_forces(
     end: int,
     out: Floats,
 ) -> None:
-    """Accelerations [m/s^2] by which others and walls repel pedestrians, some time ahead, as all go on as they do.
+    """Accelerations [m/s^2] by which others and walls repel pedestrians, after some time at constant velocities.
 
     That time is the middle of a step. Somebody who comes into sight or goes out of it within the step has the mean of
     both weights.

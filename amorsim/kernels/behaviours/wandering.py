@@ -92,7 +92,7 @@ def _choose(
     bar: float,
     memory: Floats,
 ) -> int:
-    """Choose where to go; what to do next, with the angle to turn in the memory."""
+    """Choose a direction; returns the next action, with the angle to turn in the memory."""
     swing = body[_SWING] + clearance
     if nearest_distance(points) < body[_SWING] + 0.4 * clearance:
         # Something stands where the robot would sweep: a thin thing seen late, or so it was put there.
@@ -116,7 +116,7 @@ def _choose(
 
 @part
 def _looks_in(points: Floats, body: Floats, clearance: float, draw: float, memory: Floats) -> bool:
-    """Whether a door seems to have come abeam that the robot likes to take; the angle is then in the memory."""
+    """Whether a door seems to be abeam that the robot takes; the angle is then in the memory."""
     looks = False
     for n in range(2):
         room, bearing = find_opening(points, body[_VIEW:], body[_SWING] + clearance, 2.0 * n - 1.0)

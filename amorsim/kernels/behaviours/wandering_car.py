@@ -90,7 +90,7 @@ def _on_the_way(
 def _room(
     points: Floats, near: Floats, bend: float, front: float, rear: float, half_width: float, horizon: float
 ) -> float:
-    """How far [m] the footprint goes along an arc of curvature `bend`, ahead, before one of `points` (2, p) is in it.
+    """The way [m] of the footprint along an arc of curvature `bend` until one of `points` (2, p) is in it.
 
     `near` (2, p) is room to work in.
     """
@@ -122,7 +122,7 @@ def _room(
 def _best_arc(
     points: Floats, near: Floats, lean: float, sharpest: float, body: CarBody, keep: float
 ) -> tuple[float, float]:
-    """The room [m] on the best arc, and its curvature: the one with most room, less what it is off the liked one.
+    """The room [m] on the best arc, and its curvature: most room, less its difference from the preferred arc.
 
     Of arcs equally good it is the rightmost. They are tried from the liked one on, so that those which could not be
     better with all the room there is need no trying.

@@ -61,7 +61,7 @@ def set_out(
     fastest: Floats,
     looking: Ints,
 ) -> int:
-    """Let all bodies set out; returns the number of bodies whose clearance does not last for the step.
+    """Begin the step of all bodies; returns the number of those whose clearance does not last for it.
 
     Returns -1, and has written nothing of use, if a motion is not finite.
 
@@ -125,7 +125,7 @@ def set_out(
 
 @part
 def _needed(bound: float, fastest: float) -> tuple[float, float]:
-    """The clearance to walls and to other bodies [m] that a body uses up in this step."""
+    """The clearance [m] to walls and other bodies that a body uses up in this step."""
     own = bound + SLACK if bound != 0.0 else 0.0
     return own, own + (fastest + SLACK)
 
@@ -134,7 +134,7 @@ def _needed(bound: float, fastest: float) -> tuple[float, float]:
 def _gap_to_others(
     start: Floats, reach: float, table: BodyHash, replica: int, owner: int, widest: float, within: float
 ) -> float:
-    """Least gap [m] between the circle of a body and that of a body of another owner; `within` if none is nearer.
+    """The least gap [m] between the circle of a body and that of another owner's body; `within` if none is nearer.
 
     The circle has the radius `reach` about `start` (3,), and no body reaches farther than `widest`.
     """

@@ -186,7 +186,7 @@ def _try_outside(grid: Grid, edges: Floats, rows: int, nearest: Floats) -> None:
 
 @kernel
 def _cell(place: float, resolution: float, beyond: int, limit: int) -> int:
-    """Row or column `beyond` (0 to `limit` - 1) of that which holds `place` [m], kept within the map."""
+    """The row or column `beyond` (0 to `limit` - 1) that of a `place` [m], kept within the map."""
     return int(min(max(np.floor(place / resolution) + beyond, 0.0), limit - 1.0))
 
 

@@ -82,7 +82,7 @@ def place_body(bodies: Bodies, body: int, x: float, y: float, cos: float, sin: f
 
 @kernel
 def _separation(edges: Floats, first: int, last: int, others: Floats, other_first: int, other_last: int) -> float:
-    """Largest distance [m] by which all the other part lies outside one edge; negative: of none."""
+    """The largest distance [m] by which all of the other part is outside one edge; negative if outside none."""
     most = -math.inf
     if last - first < 2:
         return most
@@ -97,7 +97,7 @@ def _separation(edges: Floats, first: int, last: int, others: Floats, other_firs
 
 @kernel
 def _nearest_edge(edges: Floats, first: int, last: int, x: float, y: float) -> float:
-    """Distance [m] from a point to the nearest edge that it lies abreast of; inf if to none."""
+    """The distance [m] from a point to the nearest edge that it is abreast of; inf if it is abreast of none."""
     nearest = math.inf
     for i in range(first, last):
         dx = x - edges[i, 0]

@@ -118,7 +118,7 @@ def bound_of(ahead: float, left: float, turn: float, reach: float) -> float:
 
 @kernel
 def padded(travel: float) -> float:
-    """A bound of a way [m], with room for its rounding; 0 for a body that stands still."""
+    """A bound of a way [m] with a margin for rounding; 0 for a body that stands still."""
     return 0.0 if travel < LEAST else travel * (1.0 + 1e-9)
 
 

@@ -30,7 +30,7 @@ _SMALL = 1e-200  # products below this are turned into logarithms, before they v
 
 
 class Place(NamedTuple):
-    """Where a map lies: its lower left corner in the world [m], and the cosine and sine of its yaw."""
+    """The pose of a map: its lower left corner in the world [m], and the cosine and sine of its yaw."""
 
     x: float
     y: float
@@ -39,7 +39,7 @@ class Place(NamedTuple):
 
 
 class Field(NamedTuple):
-    """What a beam adds to the weight of a pose, at each cell of a grid where the beam may end.
+    """The weight that a beam adds to a pose, for each cell of a grid in which the beam may end.
 
     In whole numbers: a sum of them is exact, so it may be taken in any order, many beams at a time.
     """
@@ -65,7 +65,7 @@ class Scan(NamedTuple):
 
 
 class Mixture(NamedTuple):
-    """The shares of what a range can be, and the numbers of each."""
+    """The shares of the causes of a range, and the numbers of each."""
 
     hit: Column  # the wall, with Gaussian noise
     short: Column  # something unexpected before it

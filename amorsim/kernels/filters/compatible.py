@@ -1,4 +1,4 @@
-"""Joint compatibility: which sightings are of which landmarks, so that all of them fit together.
+"""Joint compatibility: the assignment of sightings to landmarks in which all fit together.
 
 Source: J. Neira, J. D. Tardos, "Data association in stochastic mapping using the joint compatibility test", IEEE Trans.
 Robotics and Automation 17 (2001).
@@ -101,7 +101,7 @@ def _take(at: Search, slot: int, k: int) -> bool:
 
 @kernel
 def pair_up(p: Floats, at: Search) -> None:
-    """Find the most pairs that fit jointly, and of as many those that fit best, into ``at.best`` (-1: of none)."""
+    """Find the most pairs that fit jointly, the best of equally many, and write them to ``at.best`` (-1: none)."""
     slots, landmarks = at.fits.shape
     at.is_taken[:] = False
     at.means[0] = 0.0

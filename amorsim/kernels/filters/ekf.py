@@ -26,7 +26,7 @@ Bools = npt.NDArray[np.bool_]
 
 @kernel
 def predict(belief: Gaussians, after: Floats, noise: Floats, growth: Floats, transform: Transform, at: Work) -> None:
-    """Move the means to poses `after` (N, 3), and carry and widen the covariances.
+    """Move the means to poses `after` (N, 3), and propagate and widen the covariances.
 
     `noise` (N, 3, 3) is the covariance of the motion in the world; `growth` (N, 1) is added to the variance of the
     bias.

@@ -1,4 +1,4 @@
-"""Updates of a Kalman filter by landmarks: which one a sighting is of, and what is expected of it.
+"""Updates of a Kalman filter by landmarks: the landmark of a sighting, and its expected measurement.
 
 Equations: S. Thrun, W. Burgard, D. Fox, "Probabilistic Robotics" (2005), 7.4.
 """

@@ -229,7 +229,7 @@ def find_modes(
 
 @kernel
 def _write(row: int, sums: Floats, modes: int, out: Modes) -> None:
-    """Write the heaviest modes; what is written is taken out of `sums`."""
+    """Write the heaviest modes, and remove each from `sums`."""
     out.poses[row] = np.nan
     out.covariances[row] = np.nan
     out.weights[row] = np.nan

@@ -51,7 +51,7 @@ class Cloud(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """What moves the particles, a displacement in each one's own frame, or where they begin."""
+    """The motion of the particles: a displacement in each one's own frame, or where they begin."""
 
     begins: Bools  # (N,) whether particles are drawn about `pose`, or moved
     lost: Bools  # (N,) whether they begin anywhere
@@ -69,7 +69,7 @@ class Free(NamedTuple):
 
 
 class Sizes(NamedTuple):
-    """How many particles there are, and of what size the bins are that decide it."""
+    """The numbers of particles, and the sizes of the bins that determine them."""
 
     least: int
     error: float  # of Kullback and Leibler's distance
@@ -80,7 +80,7 @@ class Sizes(NamedTuple):
 
 
 class Sensing(NamedTuple):
-    """What weighs the particles."""
+    """The readings and the field that weigh the particles."""
 
     scan: Scan
     mixture: Mixture
@@ -93,7 +93,7 @@ class Sensing(NamedTuple):
 
 
 class Numbers(NamedTuple):
-    """Where random numbers come from, and the gains of the averages that recovery needs."""
+    """The random numbers, and the gains of the averages for recovery."""
 
     keys: npt.NDArray[np.uint64]
     counter: npt.NDArray[np.uint32]
@@ -164,7 +164,7 @@ def _number(at: Work, k: int) -> float:
 def _begin(
     row: int, cloud: Cloud, motion: Motion, sizes: Sizes, free: Free, place: Place, numbers: Numbers, at: Work
 ) -> None:
-    """Draw the first particles: about a pose, as many as the bins that they fall in ask for; or anywhere."""
+    """Draw the first particles: around a pose, as many as the number of their bins requires, or anywhere."""
     particles = cloud.particles[row]
     capacity = particles.shape[0]
     if motion.lost[row]:
@@ -223,7 +223,7 @@ def _move(row: int, cloud: Cloud, motion: Motion, numbers: Numbers, at: Work) ->
 
 @kernel
 def _weigh(row: int, cloud: Cloud, sensing: Sensing, numbers: Numbers, at: Work) -> None:
-    """Multiply the weights by the likelihoods, and take the mean weight into the averages."""
+    """Multiply the weights by the likelihoods, and update the averages with the mean weight."""
     n = cloud.counts[row]
     particles = cloud.particles[row, :n]
     weights = cloud.weights[row, :n]

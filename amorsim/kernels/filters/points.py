@@ -1,4 +1,4 @@
-"""The unscented transform: a Gaussian of four numbers carried through a function by the points that stand for it.
+"""The unscented transform: a Gaussian of four numbers carried through a function by sigma points.
 
 An update by two numbers needs slopes of what is expected, and the spread that slopes leave out. Both follow from the
 points, by statistical linear regression: the update itself is that of the extended filter then. Sources: S. J. Julier,
@@ -29,7 +29,7 @@ NEAREST = 1e-9  # [m] a landmark has no bearing from its own place
 
 
 class Transform(NamedTuple):
-    """How expected numbers follow from a mean and a covariance."""
+    """How expected measurements follow from a mean and a covariance."""
 
     by_points: bool  # or by slopes at the mean
     reach: float  # of the points, in standard deviations
@@ -49,7 +49,7 @@ class Work(NamedTuple):
 
 
 def work() -> Work:
-    """Room for the updates of one call."""
+    """Work arrays for the updates of one call."""
     return Work(np.empty((2, 4)), np.empty((2, 4)), np.empty(2), np.zeros(3), np.zeros((4, 4)), np.empty((8, 4)))
 
 
@@ -141,7 +141,7 @@ def expect_by_points(
 def predict_by_points(
     mean: Floats, p: Floats, after: Floats, noise: Floats, growth: float, transform: Transform, at: Work
 ) -> None:
-    """Move one row's mean and covariance by points; as `amorsim.kernels.filters.ekf.predict` does by slopes."""
+    """Move one row's mean and covariance by sigma points, as `amorsim.kernels.filters.ekf.predict` does by slopes."""
     root(p, at.root)
     ahead_x = after[0] - mean[0]
     ahead_y = after[1] - mean[1]

@@ -1,4 +1,4 @@
-"""How many particles a filter needs, how many its weights are worth, and which of them are kept.
+"""How many particles a filter needs, the effective number of its weights, and which particles are kept.
 
 Sources: D. Fox, "Adapting the sample size in particle filters through KLD-sampling", IJRR 22 (2003); J. S. Liu,
 R. Chen, "Blind deconvolution via sequential imputations", JASA 90 (1995), for the effective sample size; S. Thrun,
@@ -35,7 +35,7 @@ def kld_size(bins: int, error: float, quantile: float) -> float:
 
 @kernel
 def effective_size(weights: Floats) -> float:
-    """The effective sample size of weights, which need not add up to 1."""
+    """The effective sample size of weights, whose sum may be any."""
     total = 0.0
     squares = 0.0
     for i in range(weights.shape[0]):
@@ -46,7 +46,7 @@ def effective_size(weights: Floats) -> float:
 
 @kernel
 def average(mean: float, averages: Floats, slow: float, fast: float) -> None:
-    """Take a mean weight into the slow and the fast average (2,), with these gains; the first one is both."""
+    """Update the slow and the fast average (2,) with a mean weight and these gains; the first weight is both."""
     if averages[0] != averages[0]:
         averages[0] = mean
         averages[1] = mean
@@ -57,7 +57,7 @@ def average(mean: float, averages: Floats, slow: float, fast: float) -> None:
 
 @kernel
 def recovery_probability(averages: Floats) -> float:
-    """The probability with which a particle is drawn at random: the more, the worse the fast average is."""
+    """The probability with which a particle is drawn at random: it grows as the fast average falls."""
     if not averages[0] > 0.0:
         return 0.0
     return float(max(0.0, 1.0 - averages[1] / averages[0]))

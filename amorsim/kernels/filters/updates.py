@@ -1,4 +1,4 @@
-"""What a row of a Kalman filter believes, and updates of it by one number or by two.
+"""The state of a row of a Kalman filter, and updates of it by one number or by two.
 
 An update of two numbers takes them one after the other, which is exact once their noise is independent: a correlated
 pair is decorrelated first. So no matrix is inverted, and a row depends on nothing but itself. Sequential updates:
@@ -28,7 +28,7 @@ RECORD = 8
 
 
 class Gaussians(NamedTuple):
-    """What N rows believe."""
+    """The states of N rows."""
 
     mean: Floats  # (N, 4): x, y [m], heading [rad], bias of the gyro [rad/s]
     covariance: Floats  # (N, 4, 4)
@@ -49,7 +49,7 @@ def along(a: Floats, b: Floats) -> float:
 
 @part
 def take(mean: Floats, p: Floats, spread: Floats, residual: float, variance: float) -> None:
-    """Update by one number, whose residual has this `variance` and this covariance with the state (`spread`)."""
+    """Update by one number, with the `variance` of its residual and its covariance with the state (`spread`)."""
     for j in range(4):
         gain = spread[j] / variance
         mean[j] += gain * residual
@@ -81,7 +81,7 @@ def squared_of(p: Floats, at: Work, r11: float, r12: float, r22: float, record: 
 
 @part
 def take_pair(mean: Floats, p: Floats, at: Work, r11: float, r12: float, r22: float) -> None:
-    """Update by two numbers, one after the other, both linearised where the mean was before."""
+    """Update by two numbers, one after the other, both linearised at the mean before."""
     r11 += at.extra[0]
     r12 += at.extra[1]
     r22 += at.extra[2]

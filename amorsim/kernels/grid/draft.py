@@ -175,7 +175,7 @@ def _mark_outside(draft: Draft) -> bool:
 
 @kernel
 def _words_ahead(grid: Grid, block_row: int, block_col: int, quadrant: int) -> int:
-    """Side [words] of the free square known at a word, at least, as `quadrant` goes; 0 outside."""
+    """The side [words], at least, of the free square ahead of a word in the direction `quadrant`; 0 outside."""
     if block_row < 0 or block_col < 0:
         return 0
     side, shift = square_ahead(grid, block_row * 8, block_col * 8, quadrant)
@@ -205,7 +205,7 @@ def _ring(grid: Grid, row: int, col: int, shift: int, quadrant: int) -> int:
 
 @kernel
 def _measure_table(grid: Grid, super_row: int, super_col: int, quadrant: int) -> None:
-    """Write the room of the free pages of one table; the tables ahead have theirs."""
+    """Write the room of the free pages of one table, after that of the tables ahead."""
     table = grid.supers[super_row * grid.super_cols + super_col]
     step_row = 1 if quadrant & 2 == 0 else -1
     step_col = 1 if quadrant & 1 == 0 else -1
@@ -229,7 +229,7 @@ def _measure_table(grid: Grid, super_row: int, super_col: int, quadrant: int) ->
 
 @kernel
 def _measure_page(grid: Grid, page_row: int, page_col: int, page: int, quadrant: int, sides: NDArray[np.int64]) -> None:
-    """Write the room of the empty words of one page; the pages ahead have theirs.
+    """Write the room of the empty words of one page, after that of the pages ahead.
 
     `sides` (9, 9) is to work in: what is known at the words next to the page, ahead of it, and then at its own.
     """

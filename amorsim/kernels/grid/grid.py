@@ -47,7 +47,7 @@ ONE = np.uint64(1)
 
 
 class Grid(NamedTuple):
-    """A finished grid, for reading; what the fields hold is said at the top of the module."""
+    """A finished grid, to be read; its fields are explained at the top of the module."""
 
     resolution: float
     """Side of a cell [m]."""

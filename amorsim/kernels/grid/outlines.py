@@ -77,7 +77,7 @@ def _run(cells: Cells, seen: Cells, x: int, y: int, heading: int) -> Any:
 
 @kernel
 def _narrow(x: float, y: float, wedge: Floats) -> bool:
-    """Leave in a wedge the lines through (0, 0) that pass (x, y) within the tolerance; False, and as it was, if none.
+    """Keep in a wedge the lines through (0, 0) that pass (x, y) within the tolerance; false, unchanged, if none.
 
     `wedge` holds the unit vectors of its right and its left side, 0 where all lines are in it.
     """
@@ -227,6 +227,6 @@ def strips_of(grid: Grid, cells: Cells, most: int = MOST_STRIPS) -> Floats:
 
 
 def outline_lines(grid: Grid, cells: Cells, most: int = MOST_STRIPS) -> SegmentIndex:
-    """Lines of the outlines of a grid's cells, given as an array too, for scans to look up; raises as `strips_of`."""
+    """Lines along the outlines of a grid's cells, for scans to look up; raises as `strips_of`."""
     strips = strips_of(grid, cells, most) * grid.resolution
     return index_segments(strips[:, :4], grid.rows, grid.cols, grid.resolution, strips[:, 4], grid)

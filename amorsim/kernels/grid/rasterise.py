@@ -34,7 +34,7 @@ MOST_CELLS = 2**27
 
 @kernel
 def _two_sum(a: float, b: float) -> Any:
-    """`(sum, error)`: the rounded sum, and what the rounding left out (Knuth 1969)."""
+    """`(sum, error)`: the rounded sum, and its rounding error (Knuth 1969)."""
     total = a + b
     part = total - a
     return total, (a - (total - part)) + (b - part)
@@ -42,7 +42,7 @@ def _two_sum(a: float, b: float) -> Any:
 
 @kernel
 def _two_product(a: float, b: float) -> Any:
-    """`(product, error)`: the rounded product, and what the rounding left out (Dekker 1971)."""
+    """`(product, error)`: the rounded product, and its rounding error (Dekker 1971)."""
     product = a * b
     wide = 134217729.0 * a
     a_high = wide - (wide - a)
@@ -84,7 +84,7 @@ def _crossing(x0: float, y0: float, x1: float, y1: float, line: float) -> Any:
 
 @kernel
 def _mark_segment(draft: Draft, x0: float, y0: float, x1: float, y1: float) -> bool:
-    """Occupy what one segment touches, row by row; False when the draft has to grow first."""
+    """Occupy the cells that one segment touches, row by row; false if the draft has to grow first."""
     if y0 > y1:
         x0, y0, x1, y1 = x1, y1, x0, y0
     # Closed cells: an end point on a grid line touches the row below it, and a crossing on one the column
@@ -114,7 +114,7 @@ def _mark_segment(draft: Draft, x0: float, y0: float, x1: float, y1: float) -> b
 
 @kernel
 def mark_segments(segments: NDArray[np.float64], start: int, draft: Draft) -> int:
-    """Occupy what segments (M, 4) touch, x0 y0 x1 y1 in cells, from number `start` on, clipped to the map.
+    """Occupy the cells that segments (M, 4) touch, x0 y0 x1 y1 in cells, from number `start` on.
 
     Returns the number of segments done. If that is less than M the draft is full: grow it, and go on from
     there.

@@ -1,4 +1,4 @@
-"""The lines of a map, made of its segments: rectangles about what they occupy, in blocks of neighbours."""
+"""The lines of a map made from its segments: boxes around the cells that they occupy, in blocks of neighbours."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _BLOCK = 16  # segments whose distance is computed at once
 
 
 def no_segments() -> SegmentIndex:
-    """Lines of a map that has none."""
+    """The lines of a map without segments."""
     return SegmentIndex(np.empty((4, 0)), np.zeros(1, dtype=np.int64), np.empty((10, 0)))
 
 

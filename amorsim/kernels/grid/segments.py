@@ -87,7 +87,7 @@ def _place(x: float, y: float) -> float:
 
 @inlined
 def _bucket(place: float, scale: float) -> int:
-    """Which of ``4 * scale`` sectors a place is in, that may be up to a turn beyond the ends."""
+    """The sector, of ``4 * scale``, of a position that may be up to a turn beyond the ends."""
     if place < 0.0:
         place += 4.0
     if place >= 4.0:
@@ -97,7 +97,7 @@ def _bucket(place: float, scale: float) -> int:
 
 @part
 def bucket_of(x: float, y: float, beyond: float, scale: float) -> int:
-    """Which of ``4 * scale`` sectors the direction (x, y) is in; `beyond` is added to its place in quarter turns."""
+    """The sector, of ``4 * scale``, of the direction (x, y); `beyond` is added to its position in quarter turns."""
     return _bucket(_place(x, y) + beyond, scale)
 
 
@@ -148,7 +148,7 @@ def walls_about(
     candidates: Integers,
     ends: Integers,
 ) -> int:
-    """How many segments may occupy something within reach of a point; into `found` which, by rings, the nearest first.
+    """The number of segments that may occupy cells within reach of a point; `found` gets them, nearest rings first.
 
     Parameters
     ----------
@@ -225,7 +225,7 @@ def _block_span(lines: SegmentIndex, block: int, x: float, y: float) -> tuple[bo
 def side_of(
     walls: Floats, m: int, x: float, y: float, cos_h: float, sin_h: float, reach: float
 ) -> tuple[int, float, float, float, float, float, float, float, float, float]:
-    """What of a segment's cells is to be seen from a point: ``(what, a, b, x0, y0, x1, y1, near, start, stop)``.
+    """What can be seen of a segment's cells from a point: ``(what, a, b, x0, y0, x1, y1, near, start, stop)``.
 
     `what` is `PASSED` where nothing of them is within reach, and `INSIDE` where the point may be among them; then the
     rest says nothing. Else they are within bearings from that of (x0, y0) anticlockwise to that of (x1, y1), and a beam
@@ -282,7 +282,7 @@ def side_of(
 def _sides(
     walls: Floats, first: int, last: int, x: float, y: float, cos_h: float, sin_h: float, reach: float, f: Floats
 ) -> None:
-    """Write what is to be seen of segments first..last-1, and between which places, as `bound_scan` lays it out."""
+    """Write what can be seen of segments first..last-1, and between which places, as `bound_scan` lays it out."""
     for m in range(np.uint64(first), np.uint64(last)):
         i = m - np.uint64(first)
         what, a, b, x0, y0, x1, y1, _, _, _ = side_of(walls, m, x, y, cos_h, sin_h, reach)

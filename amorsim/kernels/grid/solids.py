@@ -1,4 +1,4 @@
-"""Which walls of a map are boxes of cells that are all occupied, so that a ray's way to them needs no cells."""
+"""Walls that are boxes of occupied cells, whose distance along a ray is found without cells."""
 
 from __future__ import annotations
 

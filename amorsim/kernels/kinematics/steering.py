@@ -66,7 +66,7 @@ _WAITS = math.radians(20.0)  # a tricycle's wheel waits while its steering is so
 
 @kernel
 def _mean_tangent(start: float, end: float) -> float:
-    """Mean of the tangent of angles from one to another."""
+    """The mean tangent of the angles from one to another."""
     width = end - start
     if width == 0.0:
         return math.tan(start)
@@ -75,7 +75,7 @@ def _mean_tangent(start: float, end: float) -> float:
 
 @kernel
 def _mean_sine(start: float, end: float) -> float:
-    """Mean of the sine of angles from one to another."""
+    """The mean sine of the angles from one to another."""
     half = 0.5 * (end - start)
     if half == 0.0:
         return math.sin(start)
@@ -132,7 +132,7 @@ def _speed_of_front(steering: float, skew: float, side: float) -> float:
 
 @kernel
 def _wheel_ways(start: float, end: float, skew: float, place: int) -> tuple[float, float]:
-    """Mean metres that the left and right counted wheel roll per metre of the rear axle's middle.
+    """The mean metres that the left and right counted wheels roll per metre of the rear axle's middle.
 
     `skew` is half the track over the wheelbase.
     """

@@ -41,7 +41,7 @@ class Scans(NamedTuple):
 
 
 class Evidence(NamedTuple):
-    """What a hit and a miss add to a cell's log-odds, and the bounds of these."""
+    """The amounts that a hit and a miss add to a cell's log-odds, and their bounds."""
 
     hit: np.float32
     miss: np.float32  # negative
@@ -53,7 +53,7 @@ class Evidence(NamedTuple):
 def add_evidence(
     area: Area, window: Window, first_row: int, first_col: int, evidence: Evidence, cells: npt.NDArray[np.float32]
 ) -> None:
-    """Add what a scan says, marked in a window, to a map (rows * cols,) of log-odds."""
+    """Add a scan, marked in a window, to a map (rows * cols,) of log-odds."""
     start = max(first_col, 0)
     count = min(first_col + window.side, area.cols) - start
     if count <= 0:
@@ -126,7 +126,7 @@ def probabilities_of_log_odds(log_odds: npt.NDArray[np.float32], out: Floats) ->
 
 @kernel
 def probabilities_of_counts(hit_counts: npt.NDArray[np.int32], miss_counts: npt.NDArray[np.int32], out: Floats) -> None:
-    """Shares (N, n) of hits in all that was seen of cells; nan where nothing was."""
+    """Shares (N, n) of hits among all observations of cells; nan where there are none."""
     for i in range(hit_counts.shape[0]):
         for j in range(hit_counts.shape[1]):
             seen = hit_counts[i, j] + miss_counts[i, j]

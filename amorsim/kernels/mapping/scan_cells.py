@@ -1,4 +1,4 @@
-"""The cells that a scan says something about: those that its beams end in, and those that they cross before.
+"""The cells that a scan observes: those in which its beams end, and those that they cross before.
 
 They are marked in a square window around the laser. A beam crosses all cells that its line touches.
 """
@@ -33,7 +33,7 @@ class Area(NamedTuple):
 
 
 class Window(NamedTuple):
-    """What one scan says of the cells around its laser: 0 for nothing, `MISSED` or `HIT`."""
+    """The cells around a laser as one scan observes them: 0 for not at all, `MISSED` or `HIT`."""
 
     marks: npt.NDArray[np.uint8]  # (side * side,), the laser's cell in the middle
     side: int

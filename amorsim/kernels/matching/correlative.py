@@ -1,4 +1,4 @@
-"""Correlative scan matching: the pose within a window at which a scan lies best on a blurred picture of another one.
+"""Correlative scan matching: the pose within a window at which a scan fits a blurred picture of another one best.
 
 All poses of the window are weighed, so that no start is too far away for it. Blocks of them are weighed at once on a
 coarse picture whose values are never too low, and those that cannot be best are left out. Source: E. Olson, "Real-time
@@ -89,7 +89,7 @@ def add(points: Floats, x: float, y: float, heading: float, out: Picture) -> Non
 
 @kernel
 def clear(points: Floats, x: float, y: float, out: Picture) -> None:
-    """Mark as free what beams from (x, y) [m] to points (k, 2) [m] pass through, but for cells near a point."""
+    """Mark as free the cells that beams from (x, y) [m] to points (k, 2) [m] cross, except near a point."""
     side = out.fine.shape[0]
     u = (x - out.corner[0]) / out.resolution
     v = (y - out.corner[1]) / out.resolution
@@ -131,7 +131,7 @@ def weigh(on: Picture, points: Floats, pose: Floats) -> float:
 
 @part
 def _fine(on: Picture, cells: npt.NDArray[np.int64], count: int, row: int, col: int) -> float:
-    """The sum of what `count` cells, moved by (row, col), have in a picture."""
+    """The sum of the picture's values in `count` cells that are moved by (row, col)."""
     side = on.fine.shape[0]
     total: Any = 0.0
     for i in range(count):
@@ -144,7 +144,7 @@ def _fine(on: Picture, cells: npt.NDArray[np.int64], count: int, row: int, col: 
 
 @part
 def _coarse(on: Picture, cells: npt.NDArray[np.int64], count: int, row: int, col: int) -> float:
-    """At least what `count` cells have in a picture, moved by (row, col) or by up to BLOCK - 1 cells further."""
+    """An upper bound of the sum for `count` cells moved by (row, col) or by up to BLOCK - 1 cells more."""
     blocks = on.coarse.shape[0]
     total: Any = 0.0
     for i in range(count):

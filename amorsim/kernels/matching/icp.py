@@ -49,7 +49,7 @@ _SLANT = 1e-3  # least cosine of the incidence in Fisher's information
 
 
 class Reference(NamedTuple):
-    """What scans are laid on, in the frame of a robot: points and short lines, nan beyond the last."""
+    """The surface that scans are aligned with, in a robot's frame: points and short lines, nan beyond the last."""
 
     points: Floats  # (s, 2) [m]
     lines: Floats  # (s, 4) as of `Outline`
@@ -67,14 +67,14 @@ class Search(NamedTuple):
 
 
 class Prior(NamedTuple):
-    """What was known before: a pose and its information."""
+    """The prior: a pose and its information."""
 
     pose: Floats  # (3,)
     information: Floats  # (3, 3)
 
 
 class Result(NamedTuple):
-    """What came of an alignment."""
+    """The result of an alignment."""
 
     pose: Floats  # (3,) of the scan's robot in the reference's frame
     information: Floats  # (3, 3) from the scan alone
@@ -137,7 +137,7 @@ def result() -> Result:
 
 
 def no_prior() -> Prior:
-    """Nothing known before."""
+    """A prior without information."""
     return Prior(np.zeros(3), np.zeros((3, 3)))
 
 

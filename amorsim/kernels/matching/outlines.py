@@ -23,7 +23,7 @@ _STRAIGHTER = 4.0  # how many times less the points to one side spread across th
 
 
 class Outline(NamedTuple):
-    """A scan in its robot's frame; nan where a beam saw nothing, and lines also where there is no clear surface."""
+    """A scan in its robot's frame; nan where a beam saw nothing, lines also where there is no clear surface."""
 
     points: Floats  # (k, 2) [m]
     lines: Floats  # (k, 4) a point of the surface [m], and its unit normal towards the laser
@@ -55,7 +55,7 @@ def outline(ranges: Floats, cos_b: Floats, sin_b: Floats, range_max: float, moun
 
 @part
 def _line(ranges: Floats, i: int, out: Outline) -> None:
-    """Fit a line through the points around point i: their mean, and the direction in which they spread least.
+    """Fit a line through the points around point i: their mean, and the direction of their least spread.
 
     Where the points to one side alone lie much straighter, there is a corner, and the line is theirs.
     """
@@ -95,7 +95,7 @@ def _line(ranges: Floats, i: int, out: Outline) -> None:
 
 @part
 def _end(of: Outline, i: int, step: int, reach: float) -> int:
-    """The last beam from beam i on whose points, and all before it, are within `reach` [m] of point i."""
+    """The last beam from beam i on up to which all points are within `reach` [m] of point i."""
     count = of.points.shape[0]
     last = i
     for n in range(1, _MOST + 1):

@@ -1,4 +1,4 @@
-"""Particles that each have a path and so a map of their own: moved, matched with their map, weighed and resampled.
+"""Particles with paths and maps of their own: moved, matched with their maps, weighed and resampled.
 
 Given its path, a particle's map is known, so only paths are sampled (Rao and Blackwell). All particles of a row have
 the same scans; what differs is where they were taken. A particle's map near a place is the scans taken there. Source:
@@ -32,7 +32,7 @@ _CUT = 9.0  # squared deviations beyond which a point tells nothing more
 
 
 class Particles(NamedTuple):
-    """What N rows of P particles believe, with room for K nodes."""
+    """The P particles of each of N rows, with room for K nodes."""
 
     pose: Floats  # (N, P, 3)
     weight: Floats  # (N, P), logarithms
@@ -83,7 +83,7 @@ def workshop(beams: int, references: int, every: int) -> Workshop:
 
 @part
 def _root(matrix: Floats, out: Floats) -> None:
-    """The lower triangle (3, 3) whose square is a covariance; 0 where that has no spread left."""
+    """The lower triangle (3, 3) whose square is a covariance; 0 where that has no spread."""
     for i in range(3):
         for j in range(3):
             out[i, j] = 0.0

@@ -1,4 +1,4 @@
-"""Submaps: the points of several scans in the frame of one of them, with which a scan from another time is matched.
+"""Submaps: the points of several scans in the frame of one of them, to match a later scan with.
 
 A single old scan shows little of what a robot sees that comes back from another side. Matching with submaps follows
 W. Hess et al., "Real-time loop closure in 2D LIDAR SLAM" (2016).

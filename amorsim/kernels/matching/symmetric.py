@@ -1,4 +1,4 @@
-"""Symmetric 3 x 3 matrices of one row: eigenvalues, and steps that leave out what nothing determines."""
+"""Symmetric 3 x 3 matrices of one row: eigenvalues, and steps without what nothing determines."""
 
 from __future__ import annotations
 

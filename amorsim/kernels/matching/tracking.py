@@ -82,7 +82,7 @@ class Keys(NamedTuple):
 
 
 class Tracks(NamedTuple):
-    """What N rows believe of where they are."""
+    """The tracks of N rows: their estimated poses."""
 
     pose: Floats  # (N, 3)
     spread: Floats  # (N, 3, 3) covariance of the motion since the key, in the world
@@ -236,7 +236,7 @@ def _key(keys: Keys, i: int) -> icp.Reference:
 
 @part
 def _is_superseded(x: float, y: float, scan: Outline) -> bool:
-    """Whether a point of before lies where the new scan has one, or is seen through by it."""
+    """Whether an older point is where the new scan has one, or the new scan sees through it."""
     for j in range(scan.points.shape[0]):
         px = scan.points[j, 0]
         if math.isnan(px):
@@ -264,7 +264,7 @@ def _copy(points: Floats, lines: Floats, j: int, key: icp.Reference, place: int)
 
 @kernel
 def _extend(scan: Outline, key: icp.Reference, moved: Floats) -> None:
-    """Add a scan to a key, whose frame becomes the scan's: `moved` (3,) is where that lies in the key's.
+    """Add a scan to a key, whose frame becomes the scan's; `moved` (3,) is that frame in the key's.
 
     Points of before are kept, the oldest first, where the scan shows nothing. Where there is no room for all of them,
     the oldest are left out.

@@ -1,4 +1,4 @@
-"""Single beams against the outlines of bodies: what `body_rays.cast_bodies` gives for one beam, sooner.
+"""Single beams against the outlines of bodies: the same as `body_rays.cast_bodies` for one beam, faster.
 
 A line of sight is one beam: there is no order among its beams to use, so each body near it is tested by itself.
 """

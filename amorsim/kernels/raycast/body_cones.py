@@ -50,7 +50,7 @@ def _extent(axis: float, aside: float, cos_w: float, sin_w: float, reach: float)
 
 @part
 def _nearest_way(edges: Floats, first: int, last: int) -> tuple[float, float, float]:
-    """The direction (x, y) in which vertices first..last-1 and the edges between are nearest, and how far that is [m].
+    """The direction (x, y) and distance [m] of the nearest point of vertices first..last-1 and their edges.
 
     0 from within: then any direction will do.
     """
@@ -85,7 +85,7 @@ def _least_of_beams(
     stop: int,
     beams: Floats,
 ) -> float:
-    """How far the nearest of beams start..stop-1 goes until it meets a part [m]."""
+    """The least distance [m] at which beams start..stop-1 meet a part."""
     for b in range(start, stop):
         beams[DX, b] = cone.cos * cos_b[0, b] - cone.sin * sin_b[0, b]
         beams[DY, b] = cone.sin * cos_b[0, b] + cone.cos * sin_b[0, b]
@@ -109,7 +109,7 @@ def _least_of_part(
     reach: float,
     beams: Floats,
 ) -> float:
-    """How far the nearest beam of a cone goes until it meets a part [m]; inf if that is farther than `reach` [m]."""
+    """The least distance [m] at which a cone's beams meet a part; inf if that is more than `reach` [m]."""
     count = cos_b.shape[1]
     x, y, away = _nearest_way(edges, first, last)
     if (away - radius) * (1.0 - 1e-9) > reach:

@@ -48,7 +48,7 @@ class _Room(NamedTuple):
 
 
 class _Eye(NamedTuple):
-    """Where beams start [m], and the cosine and sine of what their bearings are measured from."""
+    """The origin of beams [m], and the cosine and sine of the direction that bearings are measured from."""
 
     x: float
     y: float
@@ -65,7 +65,7 @@ def _turn(cos: float, sin: float) -> float:
 
 @part
 def _order(cos_b: Floats, sin_b: Floats, row: int, starts: Ints) -> bool:
-    """Write which beam is the first of each sector, counted from that of the first; whether they are in that order."""
+    """Write which beam is the first of each sector, counted from the first one's; whether they are in order."""
     c = cos_b[row, 0]
     s = sin_b[row, 0]
     before = 0.0
@@ -134,7 +134,7 @@ def _meet_bodies(
     ranges: Floats,
     hit: Ints,
 ) -> None:
-    """Let a scan meet the bodies gathered in `which` and `near`."""
+    """Find where a scan meets the bodies gathered in `which` and `near`."""
     count = beams.shape[1]
     for c in range(which.shape[0]):
         away = near[_AWAY, c]

@@ -24,7 +24,7 @@ NEXT = 0.05  # [rays] within which things next to a ray count as hit, because be
 
 @part
 def bearing_of(x: float, y: float) -> float:
-    """The angle [rad] of a direction, to 4e-6: good for telling which rays are about it.
+    """The angle [rad] of a direction, to 4e-6: enough to find the rays next to it.
 
     The arc tangent of z up to 1 is z times a polynomial in z * z, here fitted at Chebyshev's points.
     """
@@ -46,7 +46,7 @@ def bearing_of(x: float, y: float) -> float:
 def _between(
     low: float, high: float, cell: int, resolution: float, start: float, component: float
 ) -> tuple[float, float]:
-    """The distances at which a ray from a cell of an axis comes between two grid lines, and leaves for good.
+    """The distances at which a ray from a cell of an axis gets between two grid lines, and leaves them.
 
     -inf where it is there, and inf where it never gets there.
     """

@@ -30,7 +30,7 @@ _COARSE = 100  # one ray in this many is cast
 
 @part
 def _entry(cell: int, own: int, resolution: float, start: float, component: float) -> float:
-    """Distance at which a ray from cell `own` of an axis enters `cell`: -inf if it is there, inf if it never does."""
+    """The distance at which a ray from cell `own` of an axis enters `cell`: -inf if it is there, inf if never."""
     if cell == own:
         return -np.inf
     if (component > 0.0) != (cell > own) or component == 0.0:
@@ -41,7 +41,7 @@ def _entry(cell: int, own: int, resolution: float, start: float, component: floa
 
 @part
 def _exit(cell: int, resolution: float, start: float, component: float) -> float:
-    """Distance at which a ray leaves `cell` of an axis for good."""
+    """The distance at which a ray leaves `cell` of an axis for the last time."""
     if component == 0.0:
         return np.inf
     line = cell + 1 if component > 0.0 else cell
@@ -121,7 +121,7 @@ def _nearest(
     sin_b: Floats,
     least: float,
 ) -> float:
-    """The less of `least` and the distance to what else is in the cone, page by page, word by word, cell by cell."""
+    """The less of `least` and the distance to anything else in the cone, page by page, word by word, cell by cell."""
     resolution = grid.resolution
     own_row = cell_of(y, resolution)
     own_col = cell_of(x, resolution)

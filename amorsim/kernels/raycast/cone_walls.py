@@ -150,7 +150,7 @@ def _bound(
 
 @part
 def _next(bits: Integers, before: Any) -> Any:
-    """The key of the side or end in `f`, whose bits these are, that comes nearest after the one of key `before`.
+    """The key of the nearest side or end in `f` after that of key `before`.
 
     The bits of numbers that are not negative are in the order of the numbers. The last of a square's make room for
     which it is, so no two keys are the same.

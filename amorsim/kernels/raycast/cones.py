@@ -1,4 +1,4 @@
-"""The nearest return within a cone of rays, what a sonar hears first; and which ray it is on.
+"""The nearest return within a cone of rays, as a sonar hears it, and the ray that it is on.
 
 Where the map has line features, the walls about a place are put in order once for all cones there, and asked
 (`amorsim.kernels.raycast.cone_walls`); without them, or where a cone has few cells, cells are
@@ -34,7 +34,7 @@ _FINE = 400  # cells in the range; from here on, looking up walls is always fast
 def _cast_all(
     grid: Grid, x: float, y: float, cos_h: float, sin_h: float, cos_b: Floats, sin_b: Floats, range_max: float
 ) -> tuple[float, int]:
-    """The least over all rays, each cast, and the first that has it."""
+    """The least distance of all rays, each cast, and the first ray that has it."""
     least, nearest, limit = np.inf, 0, range_max
     for k in range(cos_b.shape[1]):
         dx, dy = direction(cos_h, sin_h, cos_b[0, k], sin_b[0, k])

@@ -102,7 +102,7 @@ def _meet_rounded(edges: Floats, first: int, last: int, radius: float, dx: Float
 
 @part
 def meet_part(edges: Floats, first: int, last: int, radius: float, beams: Floats, start: int, stop: int) -> None:
-    """Lower what beams start..stop-1 found to where they meet a convex part, rounded by `radius` [m], of a placed body.
+    """Lower the ranges of beams start..stop-1 to where they meet a convex part, rounded by `radius` [m], of a body.
 
     Vertices first..last-1 of the body are the part's; `edges` as `place_body` writes them.
     """

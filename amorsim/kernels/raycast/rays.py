@@ -58,7 +58,7 @@ def cell_of(start: float, resolution: float) -> int:
 
 @kernel
 def _meets(line: int, resolution: float, start: float, component: float) -> float:
-    """Distance at which a ray meets a grid line, by definition."""
+    """The distance at which a ray meets a grid line, by definition."""
     if component == 0.0:
         return np.inf
     return (line * resolution - start) / component
@@ -68,8 +68,7 @@ def _meets(line: int, resolution: float, start: float, component: float) -> floa
 def _crossed(
     at: float, with_equal: bool, cell: int, exit_line: int, resolution: float, start: float, component: float
 ) -> int:
-    """Cell of one axis when the ray is at `at`: lines met before that are crossed, and with `with_equal` also
-    at it.
+    """The cell of one axis at distance `at` along a ray: lines met before are crossed, with `with_equal` also at it.
 
     The line `exit_line` is known not to be, so the answer lies between `cell` and it.
     """

@@ -1,4 +1,4 @@
-"""Scans: many beams from one place, which help one another, to the bit what each gives on its own.
+"""Scans: many beams from one place, which share work; to the bit the same as each beam by itself.
 
 Where the map has line features they say how far a beam is free (`amorsim.kernels.grid.segments`), and it is marched
 only from there. Most beams then hit within the word of 8 x 8 cells in which they start. So a number of them goes there
@@ -95,7 +95,7 @@ def _aim(
     f: Floats,
     q: Integers,
 ) -> None:
-    """Write direction, cell and next crossings of the beams from number `first` on, one cell beyond what is free.
+    """Write direction, cell and next crossings of the beams from number `first` on, one cell beyond the free ones.
 
     A beam no nearer than `beyond` goes nowhere. The cell in which what is free ends is free itself. Walls begin most
     often in the next one, which may be in another word.
@@ -168,7 +168,7 @@ def _fetch(grid: Grid, f: Floats, q: Integers) -> None:
 
 @part
 def _walk(slack: float, f: Floats, q: Integers) -> None:
-    """Go from cell to cell until one is occupied, the next is in another word, or which is next is in doubt.
+    """Go from cell to cell until one is occupied, the next is in another word, or the next one is in doubt.
 
     Conditions are whole numbers 0 and 1, and their negatives masks: what the compiler makes several beams wide.
     """
@@ -218,7 +218,7 @@ def _measure(
     f: Floats,
     q: Integers,
 ) -> bool:
-    """Write the distances of the beams that have entered an occupied cell: those of the lines by which they did.
+    """Write the distances of the beams that entered an occupied cell, by the lines that they crossed into it.
 
     And inf for those that are bounded by no wall in reach. Returns whether any of the first `count` is left, to
     continue on its own.

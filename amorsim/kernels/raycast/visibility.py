@@ -19,7 +19,7 @@ Ints = NDArray[np.int64]
 
 @part
 def _bearing(dx: float, dy: float, heading: float) -> float:
-    """The direction [rad] of what is (dx, dy) away, from a heading; 0 here."""
+    """The direction [rad], from a heading, of what is (dx, dy) away; 0 if it is here."""
     return wrap(math.atan2(dy, dx) - heading) if dx * dx + dy * dy > 0.0 else 0.0
 
 
@@ -99,7 +99,7 @@ def look_at_discs(
     ranges: Floats,
     things: Ints,
 ) -> None:
-    """Lower the ranges of rays to where they meet discs, where these are nearer, and say which.
+    """Lower the ranges of rays to the discs that they meet sooner, and write which.
 
     Parameters
     ----------

@@ -69,7 +69,7 @@ def is_open_line(free: NDArray[np.uint8], width: int, x0: float, y0: float, x1: 
 
 @part
 def _reach(search: Search, width: int, goal: int, lazy: bool, cell: int, other: int, step: float) -> None:
-    """Reach a free cell from its neighbour's parent if there is a line of sight, or else from the neighbour."""
+    """Reach a free cell from its neighbour's parent if that sees it, or else from the neighbour."""
     if search.place[other] == DONE:
         return
     parent = search.parent[cell]
@@ -103,7 +103,7 @@ def _amend(search: Search, width: int, cell: int) -> None:
 
 @kernel
 def expand_any_angle(search: Search, width: int, goal: int, lazy: bool, most: int) -> int:
-    """Expand cells until the goal is one of them, none is left, or `most` are; returns which.
+    """Expand cells until the goal is one of them, none is left, or `most` are expanded; returns which.
 
     This is basic Theta*. If `lazy`, a line of sight is taken for granted until its cell is expanded.
     """

@@ -33,7 +33,7 @@ _L, _S, _R = 1.0, 0.0, -1.0
 
 @part
 def _positive(angle: float) -> float:
-    """The angle in [0, 2 pi); one that is less than a full turn by rounding alone is 0."""
+    """The angle in [0, 2 pi); 0 if it is less than a full turn by rounding alone."""
     angle = angle % _TURN
     return 0.0 if angle > _TURN - 1e-11 else angle
 
@@ -108,7 +108,7 @@ def dubins_words(x: float, y: float, phi: float, words: Floats) -> int:
 def _put(
     words: Floats, at: int, bends: tuple[float, float, float, float, float], way: int, lengths: tuple[float, ...]
 ) -> int:
-    """Write a word; `way` says whether its directions (1), its sides (2) or both (3) are exchanged."""
+    """Write a word; `way` tells whether its directions (1), its sides (2) or both (3) are exchanged."""
     side = -1.0 if way >= 2 else 1.0
     direction = -1.0 if way % 2 == 1 else 1.0
     for i in range(5):

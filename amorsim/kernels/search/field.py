@@ -61,7 +61,7 @@ def _reach(wave: Wave, cell: int, to_go: float) -> None:
 
 @kernel
 def spread(wave: Wave, width: int, most: int) -> int:
-    """Let the wave pass `most` cells, or all that it can reach; returns which."""
+    """Let the wave pass `most` cells, or all that it can reach; returns which of the two."""
     free, used = wave.free, wave.used
     left = most
     while True:

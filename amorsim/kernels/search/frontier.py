@@ -83,7 +83,7 @@ def offer(search: Search, cell: int, key: float) -> None:
 
 @part
 def take(search: Search) -> int:
-    """The first cell of a frontier that is not empty, taken out and noted as expanded."""
+    """The first cell of a frontier that is not empty; it is removed and counted as expanded."""
     heap, keys, place = search.heap, search.key, search.place
     first = heap[0]
     place[first] = DONE

@@ -61,7 +61,7 @@ class Forest(NamedTuple):
 
 @part
 def _words(drive: Drive, course: Course, x: float, y: float, heading: float, lead: float) -> int:
-    """Write the curves to the place from which a straight run `lead` [m] comes to the goal; returns how many."""
+    """Write the curves to the place from which `lead` [m] straight ahead is the goal; returns their number."""
     gx = course.goal[0] - lead * math.cos(course.goal[2])
     gy = course.goal[1] - lead * math.sin(course.goal[2])
     c, s = math.cos(heading), math.sin(heading)
@@ -71,7 +71,7 @@ def _words(drive: Drive, course: Course, x: float, y: float, heading: float, lea
 
 @part
 def _to_go(drive: Drive, course: Course, room: Room, x: float, y: float, heading: float) -> float:
-    """What it costs from a pose to the goal, about: the longer of a curve without walls and a way without turns."""
+    """An estimate of the cost from a pose to the goal: the larger of a curve without walls and a way without turns."""
     count = _words(drive, course, x, y, heading, 0.0)
     least = math.inf
     for i in range(count):
@@ -104,7 +104,7 @@ def _cell_name(course: Course, x: float, y: float, heading: float, hitch: float)
 
 @part
 def _slot(forest: Forest, name: int) -> int:
-    """The slot of a cell of the lattice, or the free one where it belongs."""
+    """The slot of a cell of the lattice, or the free slot for it."""
     mask = forest.slots.shape[0] - 1
     # Neighbouring names are spread over the table; nothing here is larger than 63 bits.
     at = (((name & 0xFFFFFFFF) * 0x2545F491 + (name >> 32) * 0x9E3779B1) >> 20) & mask
@@ -115,7 +115,7 @@ def _slot(forest: Forest, name: int) -> int:
 
 @part
 def _push(forest: Forest, node: int, key: float) -> None:
-    """Put a pose into the queue, a binary heap, by its key: about what a path through it costs."""
+    """Put a pose into the queue, a binary heap, by its key: the estimated cost of a path through it."""
     at = forest.used[1]
     forest.used[1] = at + 1
     while at > 0:
@@ -229,7 +229,7 @@ def _leads_to_goal(room: Room, drive: Drive, course: Course, forest: Forest, nod
 
 @kernel
 def expand_poses(room: Room, drive: Drive, course: Course, forest: Forest, most: int) -> int:
-    """Expand poses until one of them leads to the goal, none is left, `most` are, or there is no room for more.
+    """Expand poses until one leads to the goal, none is left, `most` are expanded, or there is no more room.
 
     The first pose, at its cost of 0, is in the queue before the first call.
     """

@@ -1,4 +1,4 @@
-"""Jump point search: shortest paths over eight neighbours that expand only cells where a path may have to turn.
+"""Jump point search: shortest paths over eight neighbours that expand only cells where a path may turn.
 
 After D. Harabor and A. Grastien, "Online graph pruning for pathfinding on grid maps", AAAI 2011, in the form that cuts
 no corner: of equally short paths, the one whose diagonal steps come first is followed.
@@ -18,7 +18,7 @@ __all__ = ["expand_jumps"]
 
 @part
 def _is_turn(free: NDArray[np.uint8], cell: int, step: int, side: int) -> bool:
-    """Whether a path that comes straight may have to turn to this side: the cell there is free, the one before not."""
+    """Whether a straight path may have to turn to this side: the cell there is free, and the one before is not."""
     return bool(free[cell + side] != 0 and free[cell + side - step] == 0)
 
 
@@ -66,7 +66,7 @@ def _reach_diagonal(search: Search, width: int, goal: int, cell: int, across: in
 
 @kernel
 def expand_jumps(search: Search, width: int, goal: int, most: int) -> int:
-    """Expand jump points until the goal is one of them, none is left, or `most` are; returns which."""
+    """Expand jump points until the goal is one of them, none is left, or `most` are expanded; returns which."""
     for _ in range(most):
         if search.used[0] == 0:
             return NONE_LEFT

@@ -1,4 +1,4 @@
-"""Moves of a car on arcs, and of the trailer that it draws: where they lead, whether they are free, what they cost."""
+"""Moves of a car on arcs, and of its trailer: where they lead, whether they are free, and their costs."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 
 
 class Room(NamedTuple):
-    """The walls, and the bodies that must not touch them: the car, and the trailer if there is one."""
+    """The walls, and the bodies that must not touch them: the car, and its trailer if it has one."""
 
     grid: Grid
     origin_x: float
@@ -36,7 +36,7 @@ class Room(NamedTuple):
 
 
 class Drive(NamedTuple):
-    """How the car moves, and what its moves cost."""
+    """The moves of the car, and their costs."""
 
     radius: float  # [m]
     step: float  # [m] of a move
@@ -129,7 +129,7 @@ def go(
 
 @part
 def price(drive: Drive, bend: float, length: float, before: float) -> float:
-    """What a move costs after one of length `before`, whose sign is its direction."""
+    """The cost of a move after one of length `before`, whose sign is its direction."""
     metres = abs(length)
     cost = metres * (drive.backward if length < 0.0 else 1.0)
     if bend != 0.0:
@@ -141,7 +141,7 @@ def price(drive: Drive, bend: float, length: float, before: float) -> float:
 
 @kernel
 def price_of(drive: Drive, moves: Floats) -> float:
-    """What moves cost one after the other, (k, 2) bend and length [m]."""
+    """The cost of successive moves (k, 2), bend and length [m]."""
     total = 0.0
     before = 0.0
     for k in range(moves.shape[0]):

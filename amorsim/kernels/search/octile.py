@@ -39,7 +39,7 @@ def reach(search: Search, width: int, goal: int, weight: float, cell: int, other
 
 @kernel
 def expand_octile(search: Search, width: int, goal: int, weight: float, most: int) -> int:
-    """Expand cells until the goal is one of them, none is left, or `most` are; returns which.
+    """Expand cells until the goal is one of them, none is left, or `most` are expanded; returns which.
 
     A diagonal step needs both cells next to it free. The estimate of what is left is `weight` times the octile
     distance: with 0 this is Dijkstra's algorithm, with 1 it is A*, and both find a shortest path.

@@ -75,7 +75,7 @@ def _put(search: Replan, at: int, cell: int, first: float, second: float) -> Non
 
 @part
 def _settle(search: Replan, at: int, cell: int, first: float, second: float) -> None:
-    """Put an entry where it belongs, from an index whose entry is given up."""
+    """Move an entry to its position in the heap, from an index whose entry is dropped."""
     size = search.used[0]
     while at > 0:
         above = (at - 1) >> 1

@@ -48,7 +48,7 @@ def search_roadmap(
     used: NDArray[np.int64],
     most: int,
 ) -> int:
-    """Take up places in the order of their distance from place 0, until place 1 is; 1 then, 2 if none is left, else 0.
+    """Expand places by their distance from place 0 until place 1 is one: returns 1, or 2 if none is left, else 0.
 
     Parameters
     ----------

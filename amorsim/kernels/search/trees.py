@@ -157,7 +157,7 @@ def _add(tree: Tree, x: float, y: float, parent: int, cost: float) -> int:
 
 @part
 def _extend(tree: Tree, ground: Ground, x: float, y: float) -> int:
-    """Grow by one step towards a place; the new one, or -1 if a wall is in the way or nothing is new."""
+    """Grow by one step towards a place; returns the new one, or -1 if a wall is in the way or nothing is new."""
     near = _nearest(tree, x, y)
     nx, ny = _towards(tree, near, x, y, ground.step)
     dx, dy = nx - tree.x[near], ny - tree.y[near]
@@ -189,7 +189,7 @@ def grow(tree: Tree, ground: Ground, most: int) -> bool:
 
 @kernel
 def connect(tree: Tree, other: Tree, ground: Ground, most: int) -> bool:
-    """Draw samples for two trees, which take turns, until they meet, or `most` are drawn; whether they do.
+    """Draw samples for two trees in turn until they meet or `most` are drawn; returns whether they met.
 
     The places at which they met are written to ``used[2]`` of each. `most` is even but for the last call.
     """
@@ -245,7 +245,7 @@ def _lower(tree: Tree, place: int, by: float) -> None:
 
 @part
 def _informed(ground: Ground, number: int, x: float, y: float, best: float) -> tuple[float, float]:
-    """The place of a sample from which a path shorter than `best` may come: one in an ellipse about start and goal."""
+    """A sample through which a path may be shorter than `best`: in an ellipse around start and goal."""
     u, v, w = draw(ground.seed, number, 0)
     if w < ground.bias:
         return ground.goal_x, ground.goal_y
@@ -261,7 +261,7 @@ def _informed(ground: Ground, number: int, x: float, y: float, best: float) -> t
 
 @part
 def _best_end(tree: Tree, ground: Ground, ends: Ints, count: int) -> float:
-    """The cost of the best path to the goal by one of the places that see it, and note which."""
+    """The cost of the best path to the goal by a place that sees it, which is noted."""
     best = math.inf
     for i in range(count):
         place = ends[i]

@@ -14,7 +14,7 @@ __all__ = ["expand_priced"]
 
 @part
 def _reach(search: Search, price: NDArray[np.float64], cell: int, other: int, step: float) -> None:
-    """Reach a free cell from a neighbour, for the mean of both prices a cell, if that is new or cheaper."""
+    """Reach a free cell from a neighbour, at the mean of both prices, if that is new or cheaper."""
     if search.place[other] == DONE:
         return
     cost = search.cost[cell] + 0.5 * step * (price[cell] + price[other])
@@ -26,7 +26,7 @@ def _reach(search: Search, price: NDArray[np.float64], cell: int, other: int, st
 
 @kernel
 def expand_priced(search: Search, price: NDArray[np.float64], width: int, goal: int, most: int) -> int:
-    """Expand cells by Dijkstra's algorithm until the goal is one of them, none is left, or `most` are; returns which.
+    """Expand cells by Dijkstra's algorithm until the goal is one, none is left, or `most` are expanded; returns which.
 
     A step costs its length [cells] times the mean price of its two cells, above 0, and cuts no corner.
     """

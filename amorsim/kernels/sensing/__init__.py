@@ -1,1 +1,1 @@
-"""When sensors read, and what becomes of what they read."""
+"""When sensors read, and what happens to their readings."""

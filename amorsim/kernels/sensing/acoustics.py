@@ -1,4 +1,4 @@
-"""Sound that one transducer sends and another hears: straight across, or by way of a surface.
+"""Sound from one transducer to another: directly, or by reflection on a surface.
 
 `amorsim.kernels.sensing.earshot` says which cones may carry a sound. Once their rays are cast, `sounds_in_order` finds
 the sounds, the first to arrive first, `lay_lines` the straight lines that must be free for them to be heard, and
@@ -71,7 +71,7 @@ class Emitters(NamedTuple):
 
 
 class Facing(NamedTuple):
-    """Which emitters each listener can hear, and how far off; from `amorsim.kernels.sensing.earshot.face`."""
+    """The emitters that each listener can hear, and their distances; from `amorsim.kernels.sensing.earshot.face`."""
 
     axes: Floats
     """(M, 3): cosine and sine of a listener's heading, and the cosine of half its cone's angle."""
@@ -99,7 +99,7 @@ class Surfaces(NamedTuple):
 
 
 class Sounds(NamedTuple):
-    """The sounds that may come to listeners, those of listener m from ``first[m]`` to ``first[m + 1]``, in order."""
+    """The sounds that may reach listeners; those of listener m are from ``first[m]`` to ``first[m + 1]``, in order."""
 
     first: Ints
     """(M + 1,)"""
@@ -124,7 +124,7 @@ class Lines(NamedTuple):
 
 @part
 def _is_within(dx: float, dy: float, way: float, cos: float, sin: float, edge: float) -> bool:
-    """Whether what lies (dx, dy) from a cone's tip, `way` off, is in the cone; the tip is."""
+    """Whether the point (dx, dy) from a cone's tip, `way` away, is in the cone; the tip is."""
     return dx * cos + dy * sin >= way * edge
 
 
@@ -141,7 +141,7 @@ def _end_of(listeners: Listeners, surfaces: Surfaces, m: int, f: int) -> tuple[f
 def sounds_in_order(
     listeners: Listeners, emitters: Emitters, facing: Facing, surfaces: Surfaces, speed: float, sounds: Sounds
 ) -> int:
-    """Find for each listener the sounds that may come to it, the first to arrive first; returns their number S.
+    """Find for each listener the sounds that may reach it, in order of arrival; returns their number S.
 
     A sound reads half the way that it could have gone since the listener began to listen. It goes straight from
     emitter to listener where each is in the other's cone, or by way of the end of one of the listener's rays that lies
@@ -267,7 +267,7 @@ def lay_lines(
 
 @kernel
 def take_free(sounds: Sounds, begin: Ints, batch: int, is_free: Bools, is_done: Bools, heard: Floats) -> None:
-    """Let each listener hear the first of its next `batch` sounds whose line is free, and count them in `begin` (M,).
+    """Let each listener hear the first of its next `batch` sounds whose line is free; count them in `begin` (M,).
 
     `is_free` (P,) says which lines are. `heard` (N, k) [m] gets the reading. Listeners that heard a sound are done.
     """

@@ -38,7 +38,7 @@ class Reading(NamedTuple):
 
 
 class UnderWay(NamedTuple):
-    """Samples that have not arrived yet, in s slots."""
+    """Samples in transit, in s slots."""
 
     true: Floats
     """(N, s, k)"""
@@ -96,7 +96,7 @@ def deliver(
     held: Reading,
     out: Reading,
 ) -> None:
-    """Put this tick's samples under way, and write what robots hold after those that arrive now.
+    """Put this tick's samples in transit, and write what robots hold after those that arrive now.
 
     The first sample of an episode is held from the start, though it arrives later. No sample overtakes an earlier one;
     of several that arrive at once the latest counts.

@@ -1,4 +1,4 @@
-"""Which listeners' cones may carry a sound to them.
+"""The listeners whose cones a sound may reach.
 
 A sound that is heard by way of a surface comes from a point in both cones, that of the listener and that of the
 emitter, and by a way neither too short nor too long for the listener. So the rays of many cones need not be cast.
@@ -29,7 +29,7 @@ _COLUMNS = _EDGES + 6
 
 @part
 def _is_beyond(nx: float, ny: float, x: float, y: float, emitter: Floats) -> bool:
-    """Whether a cone with its tip at (x, y) lies wholly on that side of a line through the origin that (nx, ny) is."""
+    """Whether a cone with its tip at (x, y) is wholly on the side (nx, ny) of a line through the origin."""
     if nx * x + ny * y <= SLACK * (abs(x) + abs(y)):
         return False
     ahead = nx * emitter[0] + ny * emitter[1]

@@ -1,4 +1,4 @@
-"""Which of several shapes on the floor lies on top, at places."""
+"""The topmost of several shapes on the floor at given places."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What robots nearby send: a table for each receiver, the nearest sender first."""
+"""What nearby robots send: a table for each receiver, the nearest sender first."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A chain of noise in one pass: what its elements do to values, step after step, row by row."""
+"""A chain of noise in one pass: the effect of its elements on values, step by step, row by row."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def _take_step(kind: int, a: float, b: float, drawn: Floats, values: Floats) -> 
 
 @kernel
 def take_steps(first_row: int, end_row: int, program: Program, blocks: Ints, values: Floats, out: Floats) -> None:
-    """Write into `out` (V,) what the steps make of `values` (V,), for rows first_row..end_row-1.
+    """Write into `out` (V,) the result of the steps for `values` (V,), for rows first_row..end_row-1.
 
     Values lie device by device, and of each device row by row. `blocks` (S,) are the numbers of the first block that
     each step draws from, or `MEDIANS`.

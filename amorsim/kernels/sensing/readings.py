@@ -49,7 +49,7 @@ def place_ring(poses: Floats, x: Any, y: Any, heading: Any, out: Floats) -> None
 
 @kernel
 def count_turns(joints: Floats, counts: Column, out: Floats) -> None:
-    """What encoders count of joints (N, j) [rad], into `out`; `counts` of a full turn, (N, 1) or (N, j)."""
+    """Write the counts of encoders on joints (N, j) [rad] into `out`; `counts` of a full turn, (N, 1) or (N, j)."""
     for i in range(out.shape[0]):
         for j in range(out.shape[1]):
             out[i, j] = joints[i, j] / _TURN * counts[i, j if counts.shape[1] > 1 else 0]
@@ -78,7 +78,7 @@ def add_responses(
     most: Column,
     out: Floats,
 ) -> None:
-    """What comes back to elements that look along three rays, `ranges` (N * k, 3) [m], into `out` (N, k).
+    """Add up the light that returns to elements along three rays, `ranges` (N * k, 3) [m], into `out` (N, k).
 
     The middle ray has a table (N, m), those beside it another; the sum is limited to `most` (N, 1).
     """

@@ -1,4 +1,4 @@
-"""Numbers into lines of text, to the byte what Python's formatting gives.
+"""Numbers as lines of text, to the byte as Python formats them.
 
 A number with d decimals is its product with 10^d, rounded to whole, halves to even, by what it is exactly and not by
 what the rounded product says. The product's rounding error is a number too (Dekker 1971), and decides where the product
@@ -113,7 +113,7 @@ def _put_number(value: float, decimals: int, out: NDArray[np.uint8], at: int) ->
 
 @part
 def _look_ahead(table: NDArray[np.float64], step: int, first: int, count: int, words: NDArray[np.uint64]) -> None:
-    """Work out the digits of numbers of six decimals, no branches, so that it goes several wide.
+    """Find the digits of numbers with six decimals, without branches, so that several are done at once.
 
     A word is six digits in its upper bytes, what comes before the point in the lowest twelve bits, and whether it is
     negative, and whether it needs another method: it is too large, not finite, or just between two.
@@ -154,7 +154,7 @@ def _put_numbers(
     out: NDArray[np.uint8],
     at: int,
 ) -> Any:
-    """Write numbers with six decimals, a comma after each; where they end, or -1 as of `_put_number`."""
+    """Write numbers with six decimals, a comma after each; returns where they end, or -1 as `_put_number`."""
     _look_ahead(table, step, first, count, words)
     here: Any = np.uint64(at)
     for c in range(np.uint64(count)):

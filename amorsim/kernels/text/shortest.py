@@ -1,4 +1,4 @@
-"""Numbers as the shortest decimals that read back the same, to the byte what Python's ``repr`` gives.
+"""Numbers as the shortest decimals that are read back as the same, to the byte as Python's ``repr`` gives.
 
 Of the decimals that are read as a double those with the fewest digits are sought, and of them the nearest: on the grid
 of a power of ten that is just finer than the distance to the next double, and on that of the power above it, where at

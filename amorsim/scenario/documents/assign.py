@@ -40,7 +40,7 @@ class Setter:
         return 2 if kind_of(self._editor.values) == "scenario" else 0
 
     def set(self, at: Path_, value: Any) -> None:
-        """Say a plain value at a path."""
+        """Set a plain value at a path."""
         error = error_over(self._editor.values, at)
         self._set(at, value)
         self._drop_component(at)
@@ -158,7 +158,7 @@ class Setter:
             self._editor.set(at, [])
 
     def _is_inherited(self, at: Path_, value: Any) -> bool:
-        """Whether a value holds at a path without an entry in the file, and needs none."""
+        """Whether the value at a path holds without an entry in the file."""
         origin = self._origins.find(self._editor.values, at)
         if origin is not None and origin.source == "file":
             origin = origin.under
@@ -173,7 +173,7 @@ class Setter:
         return opened is MISSING or not (at[-1] in _COORDINATES or _are_equal(opened, value))
 
     def _drop(self, at: Path_) -> None:
-        """Remove what is at a path, and the tables about it that are empty then.
+        """Remove what is at a path, and the tables around it that become empty.
 
         Those that were in the file stay, but for tables of errors.
         """
@@ -193,13 +193,13 @@ def _keys(at: Path_) -> tuple[str, ...]:
 
 
 def _is_another(at: Path_, holder: dict[str, Any], value: Any) -> bool:
-    """Whether a value makes another component or another shape of its table, so that nothing else stays."""
+    """Whether a value makes its table another component or shape, so that nothing else in it stays."""
     if at[-1] == "use":
         return bool(holder.get("use", value) != value)
     return at[-2:-1] == ("shape",) and at[-1] in SHAPES and at[-1] not in holder
 
 
 def _are_equal(one: Any, other: Any) -> bool:
-    """Whether two values mean the same, where a whole number may stand for a number."""
+    """Whether two values are the same number, or otherwise equal: 1 is 1.0."""
     is_flag = isinstance(one, bool), isinstance(other, bool)
     return bool(one == other) and is_flag[0] == is_flag[1]

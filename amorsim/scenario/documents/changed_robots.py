@@ -28,7 +28,7 @@ def robot_of(robot: Robot, registry: Registry) -> dict[str, Any]:
 
 
 def set_robots(document: Document, before: Sequence[Robot], after: Sequence[Robot], registry: Registry) -> None:
-    """Say in a document how the robots that it means were changed.
+    """Write into a document how its robots were changed.
 
     Names, starts and what robots know are left alone.
 
@@ -88,7 +88,7 @@ def _is_chain(at: Path_, value: Any) -> bool:
 
 
 def _is_said(document: Document, at: Path_, chain: Any) -> bool:
-    """Whether the file itself contains a chain that has as many elements as this one."""
+    """Whether the file itself has a chain with as many elements as this one."""
     there = found_at(document.values, at)
     return isinstance(there, list) and isinstance(chain, list) and len(there) == len(chain)
 
@@ -123,7 +123,7 @@ def _set_chain(document: Document, path: str, before: list[dict[str, Any]], afte
 
 
 def _leave_out_defaults(document: Document, path: str) -> None:
-    """Remove from a new element what holds without it."""
+    """Remove from a new element what its defaults have as well."""
     element = document.get(path)
     for key, value in element.items():
         if key == "use":
@@ -139,7 +139,7 @@ def _dotted(at: Path_) -> str:
 
 
 def _differences(before: Any, after: Any, path: Path_) -> Iterator[tuple[Path_, Any]]:
-    """The paths at which two tables differ, and the second's values; `MISSING` where it has none."""
+    """The paths at which two tables differ, with the second one's values; `MISSING` where it has none."""
     if are_same(before, after):
         return
     if _is_chain(path, after):

@@ -1,4 +1,4 @@
-"""Scenarios as TOML of what was something else: a map alone, another program's file, or a scenario with settings."""
+"""Scenarios as TOML, made of something else: a map alone, another program's file, or a scenario with settings."""
 
 from __future__ import annotations
 

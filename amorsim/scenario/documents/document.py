@@ -171,7 +171,7 @@ class Document:
             self._setter.set(at, value)
 
     def _override(self, path: Sequence[str], value: Any) -> Path_:
-        """Set the value at a path given by its parts; returns the path of what was made for it.
+        """Set the value at a path, given by its parts; returns the path of what was made for it.
 
         That is the path of the value, or of the first table on the way that neither the file nor a model has.
         """
@@ -199,7 +199,7 @@ class Document:
             self._editor.remove(at)
 
     def add(self, path: str, value: Any, index: int | None = None) -> str:
-        """Put an item into the list at a path, which is begun where there is none; returns the item's path.
+        """Append an item to the list at a path, which is made where there is none; returns the item's path.
 
         Parameters
         ----------
@@ -289,17 +289,17 @@ class Document:
     # --------------------------------------------------------------------------------------------------------- journal
 
     def undo(self) -> bool:
-        """Take the last change back, to the byte; false if there is none."""
+        """Undo the last change, to the byte; false if there is none."""
         return self._journal.undo()
 
     def redo(self) -> bool:
-        """Make the change again that was taken back last; false if there is none."""
+        """Redo the change that was undone last; false if there is none."""
         return self._journal.redo()
 
     # --------------------------------------------------------------------------------------------------------- meaning
 
     def scenario(self) -> Scenario:
-        """The scenario that the document means, as `load` reads it from the file.
+        """The scenario of the document, as `load` reads it from the file.
 
         Raises
         ------
@@ -375,7 +375,7 @@ class Document:
 
     @checked
     def moved(self, path: str | os.PathLike[str]) -> Document:
-        """The same document as a file elsewhere, which names the same files from there; nothing is written.
+        """The same document as if its file were elsewhere, naming the same other files; writes nothing.
 
         Raises
         ------

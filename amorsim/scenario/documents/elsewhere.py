@@ -94,7 +94,7 @@ def renamed(values: dict[str, Any], registry: Registry, here: Path, folder: Path
 
 
 def copied(named: NamedFile, file: Path, values: dict[str, Any], copies: Copies, registry: Registry) -> str:
-    """The name of a file's copy, which is made with what the file needs; not of a model.
+    """The name of a file's copy; the copy is made with all that the file needs. Not for models.
 
     Raises
     ------

@@ -31,7 +31,7 @@ _COMPONENTS = {"drive": "drive", "controller": "controller", "motion": "motion"}
 
 
 class _At(NamedTuple):
-    """A class whose fields stand in a table, and what is left of the path there."""
+    """A class whose fields are the keys of a table, and the rest of the path in it."""
 
     cls: type
     rest: Path_
@@ -80,7 +80,7 @@ def _leads_nowhere(values: Mapping[str, Any], path: Path_, registry: Registry, f
 
 
 def component_at(values: Mapping[str, Any], path: Path_, registry: Registry, folder: Path) -> type | None:
-    """The class of the component, or of the other thing with fields, that a table at a path is."""
+    """The class of the component, or of another thing with fields, that the table at a path is for."""
     at = _innermost(values, (*path, "use"), registry, folder)
     return at.cls if at is not None and at.rest == ("use",) else None
 
@@ -193,7 +193,7 @@ def _of_use(
 
 
 def _unit(values: Mapping[str, Any], sensor: Path_, number: int, registry: Registry) -> str:
-    """The unit of what an element of a sensor's chain is for."""
+    """The unit of the values that an element of a sensor's chain is for."""
     found = _of_use(values, sensor, "sensor", registry)
     if found is None:
         return ""

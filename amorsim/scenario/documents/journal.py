@@ -1,4 +1,4 @@
-"""The changes of a document, which can be taken back one by one and made again."""
+"""The changes of a document, to be undone and redone one by one."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Change = list[Splice]
 
 
 class Journal:
-    """What was changed by an editor, step by step."""
+    """The steps of an editor's work."""
 
     def __init__(self, editor: Editor) -> None:
         self._editor = editor
@@ -22,7 +22,7 @@ class Journal:
 
     @contextlib.contextmanager
     def changing(self) -> Iterator[None]:
-        """What changes within it is one step of `undo`, if anything does; if it raises, nothing has changed."""
+        """A block whose changes are one step of `undo`, if there are any; if it raises, nothing has changed."""
         log = self._editor.log = []
         before = self._editor.statements.copy()
         try:
@@ -36,7 +36,7 @@ class Journal:
             self._undone.clear()
 
     def undo(self) -> bool:
-        """Take the last step back, to the byte; false if there is none."""
+        """Undo the last step, to the byte; false if there is none."""
         if not self._done:
             return False
         change = self._done.pop()
@@ -46,7 +46,7 @@ class Journal:
         return True
 
     def redo(self) -> bool:
-        """Make the step again that was taken back last; false if there is none."""
+        """Redo the step that was undone last; false if there is none."""
         if not self._undone:
             return False
         change = self._undone.pop()

@@ -1,4 +1,4 @@
-"""Errors of robots that change nothing, as files have them: where they are, and tables without them."""
+"""Errors of robots that change nothing: how to find them in a file's tables, and tables without them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def errors_in(path: Path_) -> int:
 
 
 def error_over(values: Any, path: Path_) -> Path_ | None:
-    """The path of the error that is at a path or over it in a file's tables; None where there is none."""
+    """The path of the error at a path or above it in a file's tables; None if there is none."""
     for length in range(errors_in(path) + 1, len(path) + 1) if errors_in(path) else ():
         written = found_at(values, path[:length])
         if written is MISSING:
@@ -34,7 +34,7 @@ def is_error(written: Any) -> bool:
 
 
 def meaning_of(written: Any) -> tuple[Any, ...]:
-    """The meaning of an error: scale, sum, value and which draws; no error and a neutral one mean the same."""
+    """The meaning of an error: scale, sum, value and who draws; no error and a neutral one have the same."""
     if written is MISSING:
         written = {}
     if not isinstance(written, dict) or set(written) & _DRAWS:
@@ -46,7 +46,7 @@ def meaning_of(written: Any) -> tuple[Any, ...]:
 
 
 def without_neutral(errors: Any) -> dict[str, Any]:
-    """A table of errors without those that change nothing, and without tables of none."""
+    """A table of errors without those that change nothing, and without empty tables."""
     found: dict[str, Any] = {}
     for key, written in errors.items() if isinstance(errors, dict) else ():
         if is_error(written):

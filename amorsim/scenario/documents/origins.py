@@ -71,7 +71,7 @@ def kind_of(values: Mapping[str, Any]) -> str:
 
 
 def lifted(values: dict[str, Any]) -> dict[str, Any]:
-    """The tables of a scenario that a document stands in: itself, or a robot of the model, or one with the device."""
+    """The scenario's tables for a document: its own, those of a robot with the model, or of one with the device."""
     kind = kind_of(values)
     if kind == "scenario":
         return values
@@ -80,7 +80,7 @@ def lifted(values: dict[str, Any]) -> dict[str, Any]:
 
 
 class Origins:
-    """Looks values of one document up, in the files that it builds on."""
+    """Finds where the values of one document come from in the files that it builds on."""
 
     def __init__(self, file: Path, registry: Registry) -> None:
         self._file = file
@@ -185,14 +185,14 @@ class Origins:
 
 
 def _without_defaults(table: dict[str, Any], field: Parameter) -> dict[str, Any]:
-    """A table of the class of a field's default, without what its fields are by default."""
+    """The table of a field's class without the values that are the defaults of its fields."""
     fields = file_fields(type(field.default))
     defaults = {key: default_in_file(one) for key, one in fields.items()}
     return {key: value for key, value in table.items() if key not in defaults or not are_same(value, defaults[key])}
 
 
 def _may_inherit(root: Mapping[str, Any], path: Path_) -> bool:
-    """Whether a model or a device may set a path: none sets a robot's place and its name."""
+    """Whether a model or a device may set a path; none of them sets a robot's place or name."""
     if len(path) < 2 or path[0] != "robots":
         return False
     robot = found_at(root, path[:2])

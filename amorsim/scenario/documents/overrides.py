@@ -22,7 +22,7 @@ __all__ = ["overridden", "override"]
 def overridden(
     source: str | dict[str, Any], path: Path, overrides: Iterable[str], book: FaultCollector, registry: Registry
 ) -> dict[str, Any]:
-    """The tables of a document with settings; the book then knows which values came from which, and what is wrong.
+    """The tables of a document with settings applied; notes where each value came from, and all faults.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def overridden(
 
 
 def override(document: Document, overrides: Iterable[str], registry: Registry) -> None:
-    """Make settings in a document that is to be saved; files that they name are those that they mean from here.
+    """Apply settings to a document that is to be saved; file names in them are relative to the current folder.
 
     Raises
     ------
@@ -59,7 +59,7 @@ def override(document: Document, overrides: Iterable[str], registry: Registry) -
 
 
 def _apply(document: Document, settings: Iterable[Setting], book: FaultCollector) -> list[Path_]:
-    """Make settings in a document, and note where they were made and what is wrong with them."""
+    """Apply settings to a document, and note where they were made and what is wrong with them."""
     places = []
     for setting in sorted(settings, key=lambda setting: not setting.chooses_model):
         try:

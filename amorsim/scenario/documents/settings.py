@@ -33,7 +33,7 @@ class Setting:
 
     @property
     def chooses_model(self) -> bool:
-        """Whether it names the model of a robot or a sensor, so that all others are about that model's content."""
+        """Whether it names the model of a robot or sensor, to whose content all other settings then apply."""
         is_of_sensor = len(self.path) == 5 and self.path[2] == "sensors"
         return self.path[0] == "robots" and self.path[-1] == "model" and (len(self.path) == 3 or is_of_sensor)
 
@@ -53,7 +53,7 @@ def setting_texts(overrides: Iterable[str]) -> tuple[str, ...]:
 
 
 def parse_settings(overrides: Iterable[str], book: FaultCollector) -> list[Setting]:
-    """The settings in ``PATH=VALUE`` texts: a value is one of TOML, or else a plain text."""
+    """The settings in texts ``PATH=VALUE``; the value is TOML, or else a plain text."""
     found = []
     for text in setting_texts(overrides):
         name, equals, value = text.partition("=")

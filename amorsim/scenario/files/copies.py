@@ -19,7 +19,7 @@ __all__ = ["Copies"]
 
 
 class Copies:
-    """Files copied into a folder, and what they are called there.
+    """Files copied into a folder, and their names there.
 
     Unless it `replaces` what is there, a file of another content that lies in the folder keeps its name and its place;
     names that are `taken` are for other files.
@@ -48,7 +48,7 @@ class Copies:
         self._names: dict[str, str] = {}
 
     def save(self, world: Map) -> Map:
-        """A map that was made in Python, written into the folder: as lines if it was made of them, else as pixels."""
+        """Write a map that was made in Python into the folder: as lines if it was made of lines, else as pixels."""
         name = self._free_name(Path(f"{world.name or 'map'}.{'png' if world.segments is None else 'wld'}"))
         try:
             saved = save_map(world, self._folder / name)
@@ -66,7 +66,7 @@ class Copies:
         return name
 
     def _is_kept(self, path: Path, name: str) -> bool:
-        """Whether another file of that name lies in the folder, and is to stay."""
+        """Whether the folder has another file of that name, which is to stay."""
         there = self._folder / name
         if self._replaces or not there.exists():
             return False
@@ -76,7 +76,7 @@ class Copies:
             return True
 
     def of_program(self, component: dict[str, Any]) -> None:
-        """Name the copy of the user's file that a component's table means."""
+        """Replace the name of a user's file in a component's table by that of its copy."""
         file, _, name = component["use"].rpartition(":")
         component["use"] = f"{self.of(file)}:{name}"
         for key, beside in files_beside(Path(file)).items():
@@ -128,7 +128,7 @@ class Copies:
         return self._names[str(path)]
 
     def _copy(self, path: Path, copy: Path) -> None:
-        """Copy a file, unless that is where it lies."""
+        """Copy a file, unless it is there already."""
         try:
             if copy.parent != self._folder:
                 copy.parent.mkdir(parents=True, exist_ok=True)

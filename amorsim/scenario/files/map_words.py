@@ -1,4 +1,4 @@
-"""Messages about what a map loses in a file, and the settings with which a scenario reads that file alike."""
+"""Messages about what a map loses in a file, and the settings by which a scenario reads that file as it was."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def lost_in_words(lost: Lost) -> str:
 
 
 def needed_options(world: Map) -> dict[str, Any]:
-    """The options, as in a scenario's [world], without which the file of a map is read otherwise."""
+    """The options of a scenario's [world] without which a map's file is read in another way."""
     file: MapFile = world.source
     try:
         if have_same_cells(load_map(file.path), world):

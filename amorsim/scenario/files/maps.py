@@ -176,7 +176,7 @@ def write_map(
     more: str = "",
     registry: Registry | None = None,
 ) -> tuple[Map, Lost]:
-    """Write a map into a file as well as its format can, and read it again: that map, and what was lost.
+    """Write a map into a file as well as its format can; returns the map as read again, and what was lost.
 
     Parameters
     ----------
@@ -290,7 +290,7 @@ def find_loader(path: Path, use: str | None, registry: Registry) -> tuple[str, t
 
 
 def _knows(cls: type[MapLoader], head: bytes) -> bool:
-    """Whether a loader knows a file's first bytes; one that fails does not."""
+    """Whether a loader accepts a file's first bytes; one that raises does not."""
     try:
         return bool(cls.sniff(head))
     except RAISED:

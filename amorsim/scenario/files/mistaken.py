@@ -1,4 +1,4 @@
-"""Which scenario may be meant by a path at which there is none."""
+"""The scenario that may be meant by a path at which there is no file."""
 
 from __future__ import annotations
 

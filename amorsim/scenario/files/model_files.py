@@ -1,4 +1,4 @@
-"""Files of models and devices: checked alone, and written with what differs from what they build on."""
+"""Files of models and devices: checked on their own, and written as what differs from what they build on."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ __all__ = ["check_model", "read_model", "save_device", "save_robot"]
 
 
 def check_model(values: Mapping[str, Any], kind: str, book: FaultCollector) -> None:
-    """Note what is wrong at the top of a model's or a device's file."""
+    """Note what is wrong at the top of the file of a model or a device."""
     top = Node(values, (), book)
     check_format(top.child("format"))
     if kind == "model":
@@ -41,7 +41,7 @@ def check_model(values: Mapping[str, Any], kind: str, book: FaultCollector) -> N
 
 
 def read_model(robot: dict[str, Any], kind: str, book: FaultCollector, registry: Registry) -> None:
-    """Note what is wrong in a robot of a model that was merged into it, or in its sensor that is the device."""
+    """Note what is wrong with a robot into which a model was merged, or with its sensor that is the device."""
     node = Node(robot, ("robots", "0"), book)
     if kind == "device":
         if isinstance(robot.get("sensors"), dict) and "device" in robot["sensors"]:
@@ -152,7 +152,7 @@ def _named(table: dict[str, Any], files: Iterable[tuple[dict[str, Any], str]], t
 
 
 def _difference(own: dict[str, Any], parent: dict[str, Any], path: tuple[str, ...]) -> dict[str, Any]:
-    """The table that, on top of the parent's, means the same as `own`."""
+    """The table that makes `own` when it is laid over the parent's."""
     differs: dict[str, Any] = {}
     for key, value in own.items():
         at, old = (*path, key), parent.get(key, MISSING)

@@ -1,4 +1,4 @@
-"""Models in documents: the file of a robot or a device, under what the scenario sets for it."""
+"""Models in documents: the file of a robot or a device lies under what the scenario sets."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def check_format(node: Node) -> None:
 
 
 def merge_models(document: dict[str, Any], book: FaultCollector, registry: Registry) -> None:
-    """Put each robot's model under what the document sets for the robot; note which came from where.
+    """Lay what the document sets for each robot over its model; note where each value came from.
 
     Tables are merged key by key; where the document names another ``use``, in shapes and in lists, it replaces
     what the model has. ``model`` becomes ``resolved_from``. A model may build on another, whose name it has under
@@ -113,7 +113,7 @@ def merge_models(document: dict[str, Any], book: FaultCollector, registry: Regis
 
 
 def _check_removals(layers: Sequence[Layer], robot: Node) -> None:
-    """A fault for each sensor or estimator that is taken away though the model has none of that name."""
+    """A fault for each sensor or estimator that is removed though the model has none of that name."""
     for kind in _NAMED:
         own = robot.value.get(kind)
         names = [name for _, values in layers if isinstance(values.get(kind), dict) for name in values[kind]]
@@ -123,7 +123,7 @@ def _check_removals(layers: Sequence[Layer], robot: Node) -> None:
 
 
 def _merge_devices(robot: Node, registry: Registry, known: Known) -> None:
-    """Put devices under the sensors that have one of them as their model."""
+    """Lay sensors over the devices that they name as their models."""
     sensors = robot.value.get("sensors")
     if not isinstance(sensors, dict):
         return
@@ -159,7 +159,7 @@ def read_layers(source: str, kind: str, registry: Registry) -> tuple[FaultCollec
 
 
 def _known_layers(node: Node, kind: str, registry: Registry, known: Known) -> list[Layer] | None:
-    """What `_read_layers` gives, which is read once for all robots that name the same sound file."""
+    """The result of `_read_layers`, read once for all robots that name the same file without faults."""
     key = (kind, node.value, node.folder) if isinstance(node.value, str) else None
     if key is not None and key in known:
         return known[key]
@@ -241,7 +241,7 @@ def _merge(
 
 
 def are_of_one_kind(path: tuple[str, ...], old: dict[str, Any], new: dict[str, Any]) -> bool:
-    """Whether a table that lies over another is merged with it key by key, and does not replace it."""
+    """Whether a table laid over another is merged with it key by key, instead of replacing it."""
     # Half of one shape, or of one error, and half of another is none.
     if path[-1] == "shape" or ("errors" in path[:-1] and set(new) <= ERROR_KEYS):
         return False

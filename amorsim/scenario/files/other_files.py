@@ -1,4 +1,4 @@
-"""Scenarios in TOML for files that are none: other programs' scenarios, and maps alone."""
+"""Scenarios in TOML for files in other formats: other programs' scenarios, and maps alone."""
 
 from __future__ import annotations
 

@@ -102,7 +102,7 @@ _ONE_QUANTITY: Mapping[str, str] = types.MappingProxyType({})
 
 
 class _Writer:
-    """One method a thing; collects what cannot be written."""
+    """Writes one thing in each method; collects what cannot be written."""
 
     def __init__(self, registry: Registry, maps_in_files: bool) -> None:
         self._registry = registry

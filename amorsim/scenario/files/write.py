@@ -130,7 +130,7 @@ def _value(value: Any) -> Item:
 
 
 def with_copies(scenario: Scenario, folder: str | Path) -> dict[str, Any]:
-    """The table of a scenario, its map and controller files copied into a folder and named there.
+    """The table of a scenario that names copies of its maps and controllers, made in a folder.
 
     A map that was made in Python gets a file there. Each file is copied once; files of the same name from different
     places get numbers. A map of several files gets a folder of its own, for the files name each other.
@@ -159,7 +159,7 @@ def with_copies(scenario: Scenario, folder: str | Path) -> dict[str, Any]:
 
 
 def with_maps(scenario: Scenario, folder: str | Path) -> dict[str, Any]:
-    """The table of a scenario, the maps that were made in Python written into a folder; other files stay in place.
+    """The table of a scenario with the maps made in Python written into a folder; other files stay where they are.
 
     Raises
     ------

@@ -109,7 +109,7 @@ class _Trial:
         self.broken: tuple[int, str, bool] | None = None
 
     def run(self) -> list[tuple[int, str]]:
-        """The numbers of the programs that were tried, and what is wrong with each, or nothing."""
+        """The numbers of the programs that were tried, with what is wrong with each, or nothing."""
         process = subprocess.Popen(
             python_command("from amorsim.scenario.programs.code_child import main; main()"),
             stdin=subprocess.PIPE,

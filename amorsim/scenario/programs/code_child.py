@@ -22,7 +22,7 @@ __all__ = ["main"]
 
 
 def main() -> None:
-    """Read what to check from standard input, and answer with lines: what has begun, and how it has ended."""
+    """Read from standard input what to check, and write lines about what has begun and how it ended."""
     time_limit, components = pickle.load(sys.stdin.buffer)
     answers = _Answers(os.fdopen(os.dup(1), "w", encoding="utf-8", buffering=1))
     # What a program prints must not be taken for an answer, and it must not wait for the keyboard.
@@ -44,7 +44,7 @@ def main() -> None:
 
 
 class _Answers:
-    """The lines for the process that asked; a copy of this one that a program has forked writes nothing, and ends."""
+    """Writes lines for the parent process. In a copy of this process, forked by a program, it ends the copy."""
 
     def __init__(self, pipe: IO[str]) -> None:
         self.pipe = pipe

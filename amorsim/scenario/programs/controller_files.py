@@ -40,7 +40,7 @@ _MODULE = "amorsim_controller_"  # begins the names of the modules that files ar
 
 
 class Form(NamedTuple):
-    """How code of a kind may be written without being a component: what it gets besides its options."""
+    """How code of a kind may be written without a component's class: its arguments besides its options."""
 
     function: tuple[str, ...]
     """The arguments of a function before its options; empty if no function will do."""
@@ -60,7 +60,7 @@ FORMS = {
 
 
 def is_controller_file(use: str) -> bool:
-    """Whether the name of a component means a file rather than a registered component."""
+    """Whether a component's name is that of a file, not of a registered component."""
     return ".py:" in use or use.endswith(".py")
 
 
@@ -75,7 +75,7 @@ def tables_of_programs(value: Any) -> Iterator[dict[str, Any]]:
 
 
 def split_reference(use: str, folder: Path) -> tuple[Path, str]:
-    """File and name that ``"file.py:name"`` means; a relative file is in `folder`."""
+    """File and name in ``"file.py:name"``; a relative file is in `folder`."""
     file, colon, name = use.rpartition(":")
     if not colon or not file.endswith(".py"):
         raise ControllerError(f"expected 'FILE.py:NAME', the name of a function or class in the file, got {use!r}")
@@ -85,7 +85,7 @@ def split_reference(use: str, folder: Path) -> tuple[Path, str]:
 
 
 def reference_of_class(cls: type) -> str:
-    """``"FILE.py:NAME"`` of a class of components that a file can name so, empty for any other.
+    """``"FILE.py:NAME"`` of a component's class, if a file can name it; else empty.
 
     It stands at the top of a file that does not belong to a package; a script is not one, for it would run again.
     """
@@ -93,7 +93,7 @@ def reference_of_class(cls: type) -> str:
 
 
 def reference_to(thing: Any) -> str:
-    """``"FILE.py:NAME"`` of a function or class that stands at the top of a file of Python; nothing for any other."""
+    """``"FILE.py:NAME"`` of a function or class at the top of a Python file; empty for any other."""
     module = sys.modules.get(getattr(thing, "__module__", None) or "")
     name = getattr(thing, "__qualname__", "")
     file = getattr(module, "__file__", None) or ""

@@ -39,7 +39,7 @@ def files_beside(path: Path, data: bytes | None = None) -> dict[str, Path]:
 
 
 def _imported(file: Path, data: bytes | None) -> set[str]:
-    """The first parts of the names that a file imports, but for those of Python itself."""
+    """The first parts of the names that a file imports, without those of Python's library."""
     try:
         tree = ast.parse(file.read_bytes() if data is None else data)
     except (OSError, SyntaxError, ValueError):

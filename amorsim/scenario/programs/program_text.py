@@ -49,7 +49,7 @@ class Program:
     folder: Path = attrs.field(factory=Path, eq=False, repr=False)
 
     def load(self, options: Mapping[str, Any]) -> Any:
-        """The function or class itself: the file is run. The options of a component are not checked yet.
+        """The function or class itself, by running the file. A component's options are not checked yet.
 
         Raises
         ------

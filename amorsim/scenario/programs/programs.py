@@ -34,7 +34,7 @@ def programs_of(scenario: Scenario) -> Iterator[tuple[UserCode, Program]]:
 
 
 def loaded(scenario: Scenario) -> Scenario:
-    """The scenario with the components, functions and classes of users' programs, whose files are run for that.
+    """The scenario with users' functions and classes in place of their names; their files are run for that.
 
     Raises
     ------
@@ -64,7 +64,7 @@ def loaded_component(component: Any) -> Any:
 
 
 def without_programs(scenario: Scenario) -> Scenario:
-    """The scenario with functions in the place of users' programs that do nothing."""
+    """The scenario with functions that do nothing in place of users' programs."""
     return _with_components(scenario, _Replacing(lambda code: attrs.evolve(code, function=code.idle())))
 
 
@@ -92,7 +92,7 @@ class _Loading:
 
 
 class _Replacing:
-    """Puts something in the place of each component whose program has not been loaded, also within others."""
+    """Replaces each component whose program has not been loaded, also within others."""
 
     def __init__(self, instead: Callable[[UserCode], Any]) -> None:
         self._instead = instead

@@ -99,7 +99,7 @@ def read_elements(robot: Robot, path: str, given: Any) -> Elements:
 
 
 def tables_of(robot: Robot, path: str) -> list[dict[str, Any]]:
-    """A chain as tables of a file, from which `read_elements` makes the same elements.
+    """The tables in a file from which `read_elements` makes the same chain.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""A sensor's columns; which noise can stand in its chain, and for which of them."""
+"""The columns of a sensor: which noise can be in its chain, and for which of them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Components in documents: a table with ``use = NAME`` and the fields of what the name means."""
+"""Components in documents: a table with ``use = NAME`` and the fields of the component of that name."""
 
 from __future__ import annotations
 
@@ -158,7 +158,7 @@ def read_task(node: Node, registry: Registry) -> Task | None:
 
 
 def _class(node: Node, kind: str, registry: Registry) -> type[Any] | None:
-    """The class that ``use`` of a table means."""
+    """The class of the component that ``use`` of a table names."""
     if not node.expect_table(f"a table with use = one of: {', '.join(registry.names(kind)) or 'none'}"):
         return None
     use = node.child("use")

@@ -64,7 +64,7 @@ _OTHERS = {"metrics": "a study runs with `amorsim sweep`", "criteria": "a rubric
 
 
 def _not_a_scenario(document: Mapping[str, Any]) -> str:
-    """The message for a file with other tables than those of a scenario, however misspelt; empty for a scenario."""
+    """The message for a file whose tables are not a scenario's, however misspelt; empty for a scenario."""
     others = [str(key) for key in document if key not in _KEYS]
     if len(others) < 2 or set(_KEYS[2:]) & set(document) or any(did_you_mean(key, _KEYS) for key in others):
         return ""
@@ -168,7 +168,7 @@ def _check_names(names: Mapping[tuple[str, ...], list[str]], *lists: Node) -> No
 
 
 def _said_names(node: Node) -> list[str]:
-    """The names of the bodies of a table with faults, as far as it has them; with a wrong count nobody knows."""
+    """The names of the bodies of a faulty table, as far as they can be read."""
     name = node.value.get("name") if node.is_table else None
     if not isinstance(name, str):
         return []
@@ -179,7 +179,7 @@ def _said_names(node: Node) -> list[str]:
 
 
 def _put(node: Node, robot: Robot, world: Map, is_map_alone: bool) -> Robot | None:
-    """A robot without a pose, put where the map wants it; for a map alone elsewhere if there is no room for it.
+    """A robot without a pose, at the place that the map has for it; for a map alone elsewhere if it does not fit there.
 
     Where replicas have different maps it is put there when a simulation is made.
     """

@@ -109,7 +109,7 @@ def _described(thing: Any, name: str) -> Parameter:
 
 
 def _parameter(thing: Any, path: Sequence[str]) -> Parameter:
-    """The parameter that a path, known to lead to a number, ends at or in."""
+    """The parameter at which a path ends, or in which it goes on; the path leads to a number."""
     name, rest = path[0], path[1:]
     if isinstance(thing, dict):
         return _parameter(thing[name], rest)
@@ -181,7 +181,7 @@ def read_number(node: Node, is_angle: bool) -> Number | None:
 
 
 def _check_true(node: Node, parts: dict[str, Any], path: tuple[str, ...], deviation: Deviation) -> bool:
-    """Whether the parameter takes the true value, where that is fixed; others are checked when drawn."""
+    """Whether the parameter accepts the true value, if that is fixed; drawn ones are checked when drawn."""
 
     def true(nominal: float) -> float:
         scale, add, value = deviation.scale, deviation.add, deviation.value
@@ -219,7 +219,7 @@ def write_deviations(errors: Mapping[str, Deviation], parts: Mapping[str, Any]) 
 
 
 def write_number(number: Number, is_angle: bool) -> Any:
-    """What `read_number` reads the same number or distribution from."""
+    """The value from which `read_number` reads the same number or distribution."""
     convert = to_degrees if is_angle else float
     if isinstance(number, Distribution):
         return {number.kind: [convert(part) for part in number.values]}

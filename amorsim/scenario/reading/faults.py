@@ -1,4 +1,4 @@
-"""Values of a document with their places: where each came from, and what is wrong with it."""
+"""Values of a document with their paths: where each came from, and its faults."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ class FaultCollector:
         return cls(Source(file="", folder=Path()))
 
     def again(self, document: Any) -> FaultCollector:
-        """A book without faults for another reading of what came from the same sources."""
+        """An empty collector for another reading of what came from the same sources."""
         other = FaultCollector.silent()
         other._root = self._root.copy()
         other.has_lost_lines = self.has_lost_lines
@@ -128,13 +128,13 @@ class FaultCollector:
         self.add(self.at(path, message, value))
 
     def at(self, path: Path_, message: str, value: Any = None) -> Fault:
-        """A fault at `path`, which is not noted."""
+        """A fault at `path`, without noting it."""
         source = self.source(path)
         place, named = (".".join(parts[source.depth :]) for parts in (path, self._named(path)))
         return Fault(file=source.file, path=place, message=message, named="" if named == place else named, value=value)
 
     def _named(self, path: Path_) -> Path_:
-        """A path with the name of a robot, obstacle or zone in the place of its number, if no other is called so."""
+        """A path with a robot's, obstacle's or zone's name in place of its number, if the name is unique."""
         things = self.document.get(path[0]) if isinstance(self.document, dict) and len(path) > 1 else None
         if path[:1] not in (("robots",), ("obstacles",), ("zones",)) or not isinstance(things, list):
             return path
@@ -190,7 +190,7 @@ class Node:
         return key in self.value
 
     def child(self, key: str) -> Node:
-        """The value under a key of this table; None if there is none, so that its absence has a path."""
+        """The value under a key of this table; None if there is none."""
         return Node(self.value.get(key), (*self.path, key), self.book)
 
     def children(self) -> Iterator[tuple[str, Node]]:
@@ -227,7 +227,7 @@ class Node:
         return None
 
     def refuse_unknown(self, known: Mapping[str, Any] | tuple[str, ...]) -> None:
-        """A fault for every key of this table that is not known, with what may have been meant."""
+        """Note a fault for every key of this table that is unknown, with what may have been meant."""
         for key, node in self.children():
             if key in known:
                 continue

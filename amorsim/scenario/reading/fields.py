@@ -136,7 +136,7 @@ def _read(node: Node, key: str, parameter: Parameter) -> Any:
 
 
 def _read_component_of(node: Node, parameter: Parameter) -> Any:
-    """The component that a table with ``use = NAME`` means, for a field that is one."""
+    """The component in a table with ``use = NAME``, for a field that holds one."""
     kind, registry = parameter.component, default_registry()
     if parameter.is_optional and node.value == NONE:
         return None
@@ -163,7 +163,7 @@ def _read_component_of(node: Node, parameter: Parameter) -> Any:
 
 
 def _native(node: Node, kind: Any) -> Any:
-    """The value with tuples and nested classes where the type has them; what does not fit stays as it is."""
+    """The value with tuples and nested classes where the type has them; the rest stays as it is."""
     value = node.value
     if isinstance(kind, type):
         return read_component(kind, node) if isinstance(value, dict) and attrs.has(kind) else value
@@ -250,7 +250,7 @@ def write_component(kind: str, component: Any, registry: Registry, unit: str = "
 
 
 def write_fields(component: Any, sensor_unit: str = "", names: Iterable[str] | None = None) -> dict[str, Any]:
-    """All fields of a component as a file has them; what is None by default, and is so, is left out."""
+    """All fields of a component as in a file; a field is left out if it is None and that is its default."""
     written = {}
     for key, parameter in file_fields(type(component), sensor_unit, names).items():
         value = getattr(component, parameter.name)

@@ -1,4 +1,4 @@
-"""The lines of faults: where in the files what is wrong stands."""
+"""The lines in the files where faults are."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def with_lines(
 
 
 def line_at(file: str, path: str) -> int | None:
-    """The line of a file for a path, or for what is nearest above it."""
+    """The line of a file for a path, or for the nearest thing above it."""
     (fault,) = with_lines([Fault(file=file, path=path, message="")])
     return fault.line
 

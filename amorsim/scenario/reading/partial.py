@@ -92,7 +92,7 @@ def _partial(values: dict[str, Any], faults: Iterable[Fault], outlines: Iterable
 
 
 def _part(path: Path_, whole: set[Path_]) -> Path_:
-    """The part to leave out for a fault at a path; nothing where reading leaves it out by itself."""
+    """The part to leave out for a fault at a path; empty where reading leaves it out by itself."""
     kind = path[0]
     if kind in ("world", "landmarks", "lights", "zones"):
         return ()

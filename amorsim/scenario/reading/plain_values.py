@@ -11,7 +11,7 @@ __all__ = ["check_values"]
 
 
 def check_values(node: Node, skip: tuple[str, ...] = ()) -> bool:
-    """Whether a table holds finite numbers, texts, flags, lists and tables of them; faults for all else."""
+    """Whether a table holds only finite numbers, texts, flags, lists and tables; notes faults for all else."""
     before = node.book.count
     for key, child in node.children():
         if key not in skip:

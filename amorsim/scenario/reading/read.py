@@ -203,7 +203,7 @@ def check_words(
     of_map: Mapping[str, Any] | None = None,
     registry: Registry | None = None,
 ) -> None:
-    """Raise the faults of a scenario's own words: of all that `load` would find, but for what the maps hold.
+    """Raise the faults of a scenario's own text: all that `load` would find, except what depends on the maps.
 
     No map is read, so nothing is compiled: after a fresh installation, faults are reported before that wait.
 

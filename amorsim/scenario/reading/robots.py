@@ -119,7 +119,7 @@ def read_robot(
     drive = None
 
     def is_change(part: Node) -> bool:
-        """Whether this changes a component of the model that could not be read: which one is then not known."""
+        """Whether this changes a component of the model that could not be read, so that it is not known which."""
         return is_incomplete and part.is_table and not {"use", "model"} & set(part.value)
 
     if "drive" in node and not is_change(node.child("drive")):
@@ -288,7 +288,7 @@ def _name(node: Node, default: str) -> str:
 
 
 def _named(node: Node, key: str) -> list[tuple[str, Node]]:
-    """The named tables under a key of a robot, with faults for names that are none."""
+    """The named tables under a key of a robot, with faults for invalid names."""
     if key not in node:
         return []
     child = node.child(key)

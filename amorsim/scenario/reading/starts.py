@@ -47,7 +47,7 @@ class GridStart:
     heading: float = parameter(0.0, unit="rad", help="where all of them look")
 
     def columns_of(self, count: int) -> int:
-        """How many bodies of a number of them stand in one row."""
+        """How many of a number of bodies stand in one row."""
         return self.columns or math.ceil(math.sqrt(count))
 
     def pose(self, number: int, count: int) -> Pose:
@@ -70,7 +70,7 @@ class Placed:
 
 
 def placed(node: Node, bodies: Sequence[Robot] | Sequence[Obstacle]) -> list[Placed]:
-    """Where the bodies of a table stand, if it sets that; for a table with faults, as far as it can be read."""
+    """Where the bodies of a table stand, if it sets that; of a faulty table as far as it can be read."""
     is_one = "count" not in node
     if not bodies and is_one and {"pose", "shape"} <= set(node.value):
         alone = FaultCollector(node.book.source(node.path))  # the faults of these two are reported already
@@ -167,7 +167,7 @@ def _check_room(node: Node, body: Robot | Obstacle, start: RandomStart, count: i
 
 
 def _is_on_map(node: Node, grid: GridStart, count: int, world: Map) -> bool:
-    """Whether the first and the last of each side of a grid are on the map; a fault states which is not, and why."""
+    """Whether the corners of a grid are on the map; a fault names the one that is not, and why."""
     columns = min(count, grid.columns_of(count))
     last = count - 1
     for number in dict.fromkeys((0, columns - 1, last - last % columns, last)):
@@ -193,7 +193,7 @@ def _poses(node: Node, count: int) -> list[Pose]:
 
 
 def series_of(bodies: Sequence[Body]) -> Iterator[list[Body]]:
-    """Bodies in order, those together that a table with `count` stands for: numbered, and alike but for their poses."""
+    """The bodies in order, those of one table with `count` together: numbered, and alike except for names and poses."""
     at = 0
     while at < len(bodies):
         first = bodies[at]

@@ -155,7 +155,7 @@ class KnownLandmark:
 
 
 def start_of(world: Map, robot: Robot, *, must_be_free: bool = False) -> Pose:
-    """Where a robot without a pose starts: at the map's start, or else at a free place with much room for it.
+    """Where a robot without a pose starts: at the map's start, or else at a free place with much room.
 
     Also where the map's start leaves it no room, if that `must_be_free`.
 

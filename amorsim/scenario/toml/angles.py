@@ -35,7 +35,7 @@ class LongDegrees(float):
 
 
 def parse_float(text: str) -> float:
-    """The number that a TOML file means by a text; a `LongDegrees` if it has more digits than a double."""
+    """The number of a text in TOML; a `LongDegrees` if it has more digits than a double holds."""
     plain = text.replace("_", "")
     number = float(plain)
     if not math.isfinite(number) or Decimal(repr(number)) == Decimal(plain):
@@ -53,7 +53,7 @@ def to_radians(degrees: float) -> float:
 
 
 def to_degrees(radians: float) -> float:
-    """The shortest number of degrees near the angle for which `to_radians` gives these very radians."""
+    """The shortest number of degrees from which `to_radians` makes exactly this angle."""
     nearest = math.degrees(radians)
     below, above = math.nextafter(nearest, -math.inf), math.nextafter(nearest, math.inf)
     rounded = (float(f"{nearest:.{digits}g}") for digits in (15, 16))

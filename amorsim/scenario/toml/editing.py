@@ -20,7 +20,7 @@ __all__ = ["Editor", "Splice"]
 
 
 class Splice(NamedTuple):
-    """One change: which statements were replaced by which, and what the file meant before and after."""
+    """One change: which statements were replaced by which, and the values before and after."""
 
     start: int
     old: list[Statement]
@@ -30,7 +30,7 @@ class Splice(NamedTuple):
 
 
 class Editor:
-    """The statements of a file, what they mean, and the changes that were made to them.
+    """The statements of a file, their values, and the changes that were made to them.
 
     `values` are never changed but replaced, so that what was read from them stays.
     """
@@ -57,7 +57,7 @@ class Editor:
 
     @property
     def _new(self) -> NewLines:
-        """Writes what the file does not have yet."""
+        """Writes values that the file does not have yet."""
         return NewLines(self.statements, self.layout, self._newline)
 
     def apply(self, splice: Splice, *, back: bool = False) -> None:
@@ -72,7 +72,7 @@ class Editor:
     # ----------------------------------------------------------------------------------------------------------- set
 
     def set(self, path: Path_, value: Any) -> None:
-        """Say a plain value at a path: of tables and lists only what differs is written."""
+        """Set a plain value at a path; of tables and lists only what differs is written."""
         old = found_at(self.values, path)
         if old is not MISSING and are_same(old, value):
             return
@@ -128,7 +128,7 @@ class Editor:
         self._replace_pair(index, text, changed(self.values, path, value))
 
     def _replace_pair(self, index: int, text: str, expected: dict[str, Any]) -> None:
-        """Replace a pair's text; its value must be read again as what is expected."""
+        """Replace a pair's text; read again, it must give the expected value."""
         old = self.statements[index]
         path = self.layout.paths[index]
         assert path is not None
@@ -152,7 +152,7 @@ class Editor:
         )
 
     def _create(self, path: Path_, value: Any, place: int | None = None) -> None:
-        """Say a value at a path where there is none; statements for it may go where there is `place` for them."""
+        """Write a value at a path where there is none; `place` limits where its statements may go."""
         depth = len(path) - 1
         while found_at(self.values, path[:depth]) is MISSING:
             depth -= 1
@@ -188,7 +188,7 @@ class Editor:
     # -------------------------------------------------------------------------------------------------------- remove
 
     def remove(self, path: Path_) -> None:
-        """Leave out what is at a path; comments behind it or right above its header go with it."""
+        """Remove what is at a path, with comments behind it or right above its header."""
         expected = without(self.values, path)
         spot = self.layout.pair_over(path)
         if spot is None:
@@ -257,7 +257,7 @@ class Editor:
     # ---------------------------------------------------------------------------------------------- items of lists
 
     def insert(self, path: Path_, place: int, value: Any) -> None:
-        """Say an item more in the list at a path, before number `place`."""
+        """Insert an item into the list at a path, before number `place`."""
         there = found_at(self.values, path)
         expected = inserted(self.values, path, place, value)
         spot = self.layout.pair_over(path)
@@ -281,7 +281,7 @@ class Editor:
             raise self._refused((*path, place))
 
     def begin_list(self, path: Path_, value: Any) -> None:
-        """Say a list of one item where there is none: a table of the file's own gets a [[header]]."""
+        """Write a list of one item where there is none; a table gets a [[header]]."""
         if len(path) > 1 or not isinstance(value, dict):
             self.set(path, [value])
             return
@@ -290,7 +290,7 @@ class Editor:
             raise self._refused(path)
 
     def move(self, path: Path_, place: int) -> None:
-        """Put what is at a path elsewhere in its list or table, where it is number `place` afterwards."""
+        """Move what is at a path within its list or table; afterwards it has the number `place`."""
         holder = path[:-1]
         keys = order_of(found_at(self.values, holder))
         number = keys.index(path[-1])
@@ -323,7 +323,7 @@ class Editor:
     def _try(
         self, start: int, count: int, lines: list[str], expected: dict[str, Any], *, may_prune: bool = False
     ) -> bool:
-        """Replace statements by lines, if the file then means what is expected; whether it does."""
+        """Replace statements by lines, if the file's values are then the expected ones; returns whether they are."""
         start, count, lines = self._joined(start, count, lines)
         bad = {each.text for each in self.statements[start : start + count] if each.kind == "bad"}
         new = [Statement(each.text, "bad") if each.text in bad else each for each in cut("".join(lines))]
@@ -367,7 +367,7 @@ class Editor:
 
 
 def _pruned(values: Any) -> Any:
-    """A table without the empty tables in it: dotted keys and headers that were removed leave none behind."""
+    """A table without the empty tables in it, since removed keys and headers leave none behind."""
     if isinstance(values, dict):
         found = {key: _pruned(item) for key, item in values.items()}
         return {key: item for key, item in found.items() if item != {} and item != []}

@@ -1,4 +1,4 @@
-"""Changes within a value's text: an array or an inline table gets or loses a member, and all else stays."""
+"""Changes within a value's text: an array or inline table gets or loses a member, and the rest stays."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def find(text: str, at: int, path: Path_) -> tuple[int, Member | None, Path_]:
 
 
 def insert(text: str, at: int, keys: tuple[str, ...], value: str, place: int | None, newline: str) -> str:
-    """The text with a member more in the array or inline table at `at`; before number `place`, or else at the end."""
+    """The text with another member in the array or inline table at `at`: before number `place`, or at the end."""
     new = f"{keys_as_toml(keys)} = {value}" if keys else value
     there = list(members(text, at))
     if not there:
@@ -110,7 +110,7 @@ def count(text: str, at: int) -> int:
 
 
 def _have_lines(text: str, at: int, there: Sequence[Member]) -> bool:
-    """Whether each member begins a line, and the bracket at `at` and its end share none with them."""
+    """Whether each member begins a line that neither bracket shares with it."""
     close = _close(text, at)
     for member in there:
         line_end = text.find("\n", member.last, close)

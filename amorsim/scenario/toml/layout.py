@@ -24,7 +24,7 @@ def copied_tables(value: Any) -> Any:
 
 
 class Layout:
-    """The path of each statement: of a pair the value's, of a header the table's, of anything else none."""
+    """The path of each statement: that of a pair's value, of a header's table, none of anything else."""
 
     def __init__(self, statements: Sequence[Statement]) -> None:
         self.paths: list[Path_ | None] = []
@@ -61,7 +61,7 @@ class Layout:
         return (*path, counts[path] - 1) if path in counts else path
 
     def pair_over(self, path: Path_) -> tuple[int, Path_] | None:
-        """The statement of the pair whose value is at a path or holds it, and what is left of the path in there."""
+        """The statement of the pair whose value is at a path or holds it, and the rest of the path within it."""
         for length in range(len(path), 0, -1):
             if path[:length] in self.pairs:
                 return self.pairs[path[:length]], path[length:]
@@ -105,7 +105,7 @@ def found_at(values: Any, path: Path_) -> Any:
 
 
 def changed(values: Any, path: Path_, value: Any) -> Any:
-    """`values` with a value at a path; what lies on the way is copied, and made where it is not there."""
+    """`values` with a value at a path; tables on the way are copied, or made if missing."""
     if not path:
         return value
     part, rest = path[0], path[1:]

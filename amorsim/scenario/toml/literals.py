@@ -23,12 +23,12 @@ _DELETE = "\N{DELETE}"  # the one control character that JSON leaves as it is, a
 
 
 def parse(text: str) -> dict[str, Any]:
-    """The table in a TOML text; raises what `tomllib` does."""
+    """The table in a TOML text; raises what `tomllib` raises."""
     return tomllib.loads(text, parse_float=parse_float)
 
 
 def parse_value(text: str) -> Any:
-    """The value that a TOML text means; raises what `tomllib` does, and `ValueError` where it is more than a value."""
+    """The value in a TOML text; raises what `tomllib` raises, and `ValueError` if there is more than a value."""
     table = parse(f"value = {text}")
     if list(table) != ["value"]:
         raise ValueError("more than a value")
@@ -104,7 +104,7 @@ def keys_as_toml(keys: tuple[str, ...]) -> str:
 
 
 def are_same(one: Any, other: Any) -> bool:
-    """Whether two values of TOML are the same, 1 and 1.0 and true being different, and nan the same as itself."""
+    """Whether two TOML values are the same; 1, 1.0 and true differ, and nan is the same as nan."""
     if isinstance(one, dict):
         return (
             isinstance(other, dict)

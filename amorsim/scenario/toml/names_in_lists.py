@@ -13,7 +13,7 @@ _KINDS = {"noise": "element", "ground": "element", "also": "recorder"}  # of ite
 
 
 def index_of(items: list[Any], part: str, of: str = "") -> int | str:
-    """The index of the item that a part of a path means, by name or number, or what is wrong with it.
+    """The index of the item that a part of a path names, by name or number; or what is wrong with it.
 
     `of` is the name of the list: ``"robots"``.
     """

@@ -33,7 +33,7 @@ class NewLines:
     def places(
         self, path: Path_, depth: int, keys: tuple[str, ...], value: Any, place: int | None
     ) -> Iterator[tuple[int, int, list[str]]]:
-        """Where statements for a new value may go, the likeliest first: what they replace, and their lines."""
+        """Where the statements of a new value may go, the likeliest place first: what they replace, and their lines."""
         parent, layout = path[:depth], self._layout
         header = layout.headers.get(parent)
         end = (layout.under(parent) or [-1])[-1] + 1
@@ -105,7 +105,7 @@ class NewLines:
         return self.with_comments(first) if first < len(self._statements) else first
 
     def with_comments(self, index: int) -> int:
-        """Where the comments begin that stand right above a statement; those that begin the file are not its own."""
+        """The line at which the comments right above a statement begin; those that begin the file do not count."""
         start = index
         while start and self._statements[start - 1].text.lstrip(" \t").startswith("#"):
             start -= 1

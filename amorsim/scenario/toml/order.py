@@ -1,4 +1,4 @@
-"""The order of what is in a list or a table, and another one."""
+"""The order of items in a list or a table, and how to change it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A file of TOML as it is written: its statements, what they mean, and which of them are faulty."""
+"""A TOML file as it is written: its statements, their values, and the faulty lines."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _MOST = 20  # bad lines are reported
 
 @attrs.frozen
 class BadLine:
-    """A line that TOML does not take, counted from 1, and what is wrong with it."""
+    """A line that is not TOML, counted from 1, and what is wrong with it."""
 
     line: int
     text: str
@@ -34,7 +34,7 @@ _ALL_BAD = 3  # lines, from which on a file without a good one is not TOML at al
 
 
 class Written:
-    """What a file's text means without its bad lines, and these."""
+    """The values of a file without its bad lines, and the bad lines."""
 
     def __init__(
         self, text: str, values: dict[str, Any], statements: list[Statement] | None = None, bad: Iterable[BadLine] = ()
@@ -107,7 +107,7 @@ def _sound(statements: Sequence[Statement]) -> str:
 
 
 def _leave_out_body(statements: list[Statement], index: int, text: str) -> None:
-    """Mark the pairs under a header that cannot be read: it is not known what they belong to."""
+    """Mark the pairs under a header that cannot be read: to which table they belong is not known."""
     if not text.lstrip().startswith("["):
         return
     for i in range(index + 1, len(statements)):
@@ -118,7 +118,7 @@ def _leave_out_body(statements: list[Statement], index: int, text: str) -> None:
 
 
 def _first_bad(statements: Sequence[Statement], problem: str) -> int:
-    """The statement with which the file stops being TOML: up to it, all is."""
+    """The first statement with which the file is not TOML."""
 
     def is_sound(count: int) -> bool:
         try:
@@ -169,7 +169,7 @@ def line_numbers(statements: Sequence[Statement]) -> list[int]:
 def line_of(
     statements: Sequence[Statement], layout: Layout, path: Path_, numbers: Sequence[int] | None = None
 ) -> int | None:
-    """The line, counted from 1, for a path, or for what is nearest above it; None where there is none.
+    """The line, counted from 1, for a path, or for the nearest thing above it; None if there is none.
 
     `numbers` are the statements' `line_numbers`, counted here if they are not given.
     """

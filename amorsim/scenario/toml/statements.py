@@ -99,7 +99,7 @@ def _line_end(text: str, at: int) -> int:
 
 
 def _keys(text: str) -> tuple[str, ...]:
-    """The keys of ``a . "b"``; what no TOML reader takes stays as it is spelt."""
+    """The keys of ``a . "b"``; text that is not TOML stays as it is."""
     if '"' not in text and "'" not in text:
         return tuple(part.strip() for part in text.split("."))
     keys: list[str] = []

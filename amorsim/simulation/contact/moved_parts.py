@@ -109,7 +109,7 @@ class Parts:
         return f"{self._group.label} / parts"
 
     def bind_path(self, motion: Array, travel: Array) -> tuple[int, Callable[[], None]]:
-        """The form of the paths: no kernel knows it, so `poses_at` also gives their ends."""
+        """The form of the parts' paths, which no kernel knows; `poses_at` gives their ends as well."""
         motion[:] = 0.0
         return OTHER, lambda: np.copyto(travel, self._group.part_travel().reshape(-1, 2))
 
@@ -122,7 +122,7 @@ class Parts:
         raise AssertionError(motion)
 
     def poses_at(self, which: Ints, fraction: Array) -> Array:
-        """Poses `(Q, 3)` of parts number `which` `(Q,)` at fractions `(Q,)` of the step."""
+        """Poses `(Q, 3)` of the parts with the numbers `which` `(Q,)`, at fractions `(Q,)` of the step."""
         row, part = np.divmod(which, self._each)
         poses, inside = self._group.parts_at(row, fraction[:, None])
         return compose(poses, np.ascontiguousarray(inside[np.arange(len(row)), part]))

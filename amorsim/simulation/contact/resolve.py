@@ -78,10 +78,10 @@ class Mover(Protocol):
         """
 
     def poses_at(self, which: Ints, fraction: Array) -> Array:
-        """World poses `(Q, 3)` of its bodies number `which` `(Q,)` at fractions `(Q,)` of the step."""
+        """World poses `(Q, 3)` of the bodies with the numbers `which` `(Q,)`, at fractions `(Q,)` of the step."""
 
     def blame(self, error: BaseException) -> NoReturn:
-        """Raise an exception of what moves the bodies as one that names them."""
+        """Raise an exception again, as an error that names the bodies whose motion caused it."""
 
     def bad_motion(self, motion: Array) -> AmorsimError:
         """The error for motions `(M, 3)` that are not all finite."""
@@ -248,7 +248,7 @@ def _rows_of(bodies: Ints) -> slice | Ints:
 def _part_of(
     whole: npt.NDArray[Any], rows: slice | Ints
 ) -> tuple[npt.NDArray[Any], list[Callable[[], None]], list[Callable[[], None]]]:
-    """Some rows of an array as one without gaps, which kernels need.
+    """Some rows of an array, contiguous in memory, as kernels need them.
 
     Also the functions that copy its rows to the whole and back; none where it is a view.
     """
@@ -301,7 +301,7 @@ def _search_of(a: Ints, b: Ints, asks: npt.NDArray[np.bool_], bodies: int) -> Se
 
 
 def _too_many_looks(world: World, paths: Paths, a: int, b: int) -> ContactError:
-    """The error for a step in which the search of a pair does not end."""
+    """The error for a step in which the search for the contact of a pair does not end."""
     fast = a if b == WALL or paths.bound[a] >= paths.bound[b] else b
     other = "the walls" if b == WALL else repr(world.name(b if fast == a else a))
     return ContactError(

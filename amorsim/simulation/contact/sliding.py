@@ -14,7 +14,7 @@ Array = npt.NDArray[np.float64]
 
 
 def arcs(twist: Array, slide: Array) -> Array:
-    """The twists `(N, 3)` of bodies on arcs, whose wheels alone would make `twist`."""
+    """The twists `(N, 3)` of bodies that slide along arcs; the wheels alone would give `twist`."""
     return np.where(slide != 0.0, twist + slide, twist)  # adding 0.0 would change the sign of a zero
 
 
@@ -36,7 +36,7 @@ def displaced(drive: Drive, before: Array, after: Array, slide: Array | None, fr
 
 
 def bounds(travel: Array, slide: Array | None) -> Array:
-    """Bounds on the paths `(N, 2)` [m, rad] of bodies whose bounds without a slide are `travel` `(N, 2)`."""
+    """Bounds on the paths `(N, 2)` [m, rad] of bodies that may slide; without a slide they are `travel` `(N, 2)`."""
     if slide is None:
         return travel
     way = np.sqrt(slide[:, 0] ** 2 + slide[:, 1] ** 2)

@@ -171,7 +171,7 @@ class Device:
     # --------------------------------------------------------------------------------------------------- each step
 
     def bind(self, truth: Truth) -> Callable[[], None]:
-        """The function that each step calls; for a plain device without what bends beams, the sensor's own."""
+        """The function that each step calls; that of the sensor itself if the device is plain and bends no beams."""
         clock, view = self._clock, self.view
 
         def look() -> GroupView:
@@ -365,7 +365,7 @@ class _Kept:
         self._before = {name: array.copy() for name, array in state.items()}
 
     def put_back(self, which: Flags) -> None:
-        """Put the rows back that are not marked in `which` `(N, 1)`; arrays that kept their place keep it."""
+        """Restore the rows that are not marked in `which` `(N, 1)`, each array at its place in memory."""
         for name, before in self._before.items():
             now = self._state[name]
             marked = which.reshape(len(before), *([1] * (before.ndim - 1)))

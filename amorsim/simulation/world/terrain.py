@@ -45,7 +45,7 @@ class Terrain:
 
     @classmethod
     def of(cls, map_: Map, replicas: Sequence[int]) -> Self:
-        """The maps that replicas of these numbers have where a scenario has `map_`.
+        """The map of each replica, by its number, in a scenario whose map is `map_`.
 
         Raises
         ------

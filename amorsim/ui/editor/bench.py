@@ -1,4 +1,4 @@
-"""Short experiments on what is edited: errors on a square, the scatter of readings, starts that are drawn."""
+"""Short experiments for the Editor: errors on a square, the scatter of readings, random starts."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def _thinned(path: Array, step: int) -> list[list[float]]:
 
 
 def noise_bars(scenario: Scenario, name: str, sensor: str) -> dict[str, Any]:
-    """A histogram of a sensor's errors: the edges of its bars, how many are in each, the mean and the deviation."""
+    """A histogram of a sensor's errors: edges and counts of its bars, mean and standard deviation."""
     errors = preview_noise(scenario, name, sensor)
     if not errors.size:
         raise AmorsimError("it reads nothing where it stands")

@@ -1,4 +1,4 @@
-"""The steps that can be undone: for each, what it changed in which text."""
+"""The steps that can be undone: what each changed in which text."""
 
 from __future__ import annotations
 

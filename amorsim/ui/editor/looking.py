@@ -25,7 +25,7 @@ CODE_LIMIT = 5.0  # [s] that a user's program may take to be loaded and made
 
 
 class FaultAt(FaultLine):
-    """A fault, and the path of what it is about; the path has numbers in place of names."""
+    """A fault, and the path of the value that it is about, with numbers in place of names."""
 
     at: str
 
@@ -47,7 +47,7 @@ class Looked:
 
 @attrs.frozen(kw_only=True)
 class Seen:
-    """The view in a window, and the scenario that it was made from: None if nothing could be read."""
+    """What a window shows, and the scenario that it was made from: None if nothing could be read."""
 
     looked: Looked
     partial: Partial | None = None

@@ -47,7 +47,7 @@ class Reader:
         self._is_closed = False
 
     def start(self) -> None:
-        """Start the process if there is none, without waiting until it is ready."""
+        """Start the process if there is none; does not wait until it is ready."""
         with self._changing:
             if self._is_closed:
                 raise ReaderError("it is closed")

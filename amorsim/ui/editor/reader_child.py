@@ -50,14 +50,14 @@ def _say(pipe: Any, answer: tuple[bool, Any]) -> None:
 
 
 class _Functions:
-    """The requests, and what was read last: pictures and models are of that."""
+    """The functions that can be called, and what was read last, to which pictures and models belong."""
 
     def __init__(self) -> None:
         self._registry = default_registry()
         self._seen: Seen | None = None
 
     def answer(self, name: str, arguments: Mapping[str, Any]) -> tuple[bool, Any]:
-        """Whether a function succeeded, and what it returned or the words of what it raised."""
+        """Whether a function succeeded, and its result or the words of its error."""
         try:
             return True, getattr(self, name)(**arguments)
         except AmorsimError as error:
@@ -72,7 +72,7 @@ class _Functions:
         return self._seen.looked
 
     def picture(self, name: str) -> bytes:
-        """The PNG of a map of what was seen last."""
+        """The PNG of a map of the scenario that was read last."""
         builder = None if self._seen is None else self._seen.builder
         try:
             if builder is None:
@@ -89,7 +89,7 @@ class _Functions:
         return placed(check_code(document.scenario(), time_limit=CODE_LIMIT), document, shown, name, folder)
 
     def write_world(self, target: Path, is_trial: bool, force: bool) -> Any:
-        """Write the world that was seen last in another format, or try what that loses."""
+        """Write the world that was read last in another format, or try what would be lost."""
         partial = self._partial()
         return write_world(partial.map, target, is_trial=is_trial, force=force, registry=self._registry)
 

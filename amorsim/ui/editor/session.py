@@ -55,7 +55,7 @@ async def _no_other(_: str) -> str:
 
 
 class EditSession:
-    """A scenario that is being edited, for windows: one of them holds the pen, the others watch.
+    """A scenario that windows edit: one of them may change it, the others watch.
 
     Parameters
     ----------
@@ -191,7 +191,7 @@ class EditSession:
 
     @property
     def _are_meant(self) -> bool:
-        """Whether all programs are as the user has saved them, or asked to: what is half typed is not run."""
+        """Whether all programs are as the user saved them or asked to run them; half typed ones are not run."""
         return all(
             held.text == self.meant.get(path)
             for path, held in self.work.files.differing.items()
@@ -217,7 +217,7 @@ class EditSession:
         news.set()
 
     def touched(self) -> None:
-        """Read the document again, which has changed."""
+        """Read the document again after a change."""
         self._is_behind = True
         self._wanted.set()
         self.tell()

@@ -35,7 +35,7 @@ class Steps:
         self._known: set[str] = set()  # the texts that the journal has
 
     def open(self, key: str) -> Kept | None:
-        """Take the journal of a key, in place of the one before; returns what it holds, if anything."""
+        """Use the journal of a key instead of the present one; returns its content, if any."""
         if self._state is None:
             return None
         self.close()
@@ -59,7 +59,7 @@ class Steps:
         self.close()
 
     def rewrite(self, texts: Mapping[str, str], marks: dict[str, str]) -> None:
-        """Begin the journal again, with the present texts and marks of what is saved (see `mark_of`)."""
+        """Start the journal anew, with the present texts and marks of the saved files (see `mark_of`)."""
         if self._journal is None:
             return
         self._known = set(texts)
@@ -70,7 +70,7 @@ class Steps:
             self.close()
 
     def add(self, step: Step) -> bool:
-        """Add a step; false if the journal must be rewritten, as it does not have a text that the step changes."""
+        """Add a step; false if the journal must be rewritten because a text that the step changes is missing in it."""
         self.history.add(step)
         if self._journal is None:
             return True

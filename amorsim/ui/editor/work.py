@@ -29,7 +29,7 @@ SCENARIO = ""  # the name of the scenario's text; that of a file is its path
 
 
 class ChangedError(AmorsimError):
-    """A file that was changed by something else since it was read or saved."""
+    """The error for a file that another program changed since it was read or saved."""
 
 
 class Work:
@@ -125,7 +125,7 @@ class Work:
 
     @property
     def here(self) -> Path:
-        """The folder from which the scenario names files."""
+        """The folder that file names in the scenario are relative to."""
         return self.document.path.parent
 
     def edit(self, label: str, change: Callable[[Work], Any]) -> Any:
@@ -199,7 +199,7 @@ class Work:
     # ---------------------------------------------------------------------------------------------------------- looking
 
     def held(self, path: Path) -> FileText:
-        """The text of a file, which is read if that has not been done.
+        """The text of a file, read now if that was not done before.
 
         Raises
         ------
@@ -224,7 +224,7 @@ class Work:
 
     @property
     def files_changed(self) -> list[Path]:
-        """The files that something else has changed since they were read or saved."""
+        """The files that another program changed since they were read or saved."""
         before = self._stamps | self.files.stamps
         now = stamps_of(before)
         return [path for path, stamp in before.items() if now[path] != stamp]
@@ -244,7 +244,7 @@ class Work:
         return [path for path, held in differing.items() if held.saved is not None or path in named]
 
     def save(self, *, force: bool = False) -> Path:
-        """Write the files that differ, and those that something else has deleted meanwhile.
+        """Write the files that differ, and those that another program has deleted.
 
         Parameters
         ----------
@@ -277,7 +277,7 @@ class Work:
         return self.path
 
     def save_program(self, name: str) -> bool:
-        """Write a program alone; returns whether that was done: a bundled scenario has no folder before it is saved.
+        """Write a program only; returns whether that was possible: a bundled scenario has no folder until it is saved.
 
         Raises
         ------
@@ -291,7 +291,7 @@ class Work:
         return True
 
     def save_as(self, path: Path, *, overwrite: bool = False) -> Path:
-        """Write it all as another file, whose name it has from now on.
+        """Write everything as another file, and go on with that.
 
         In another folder, it gets copies of its files.
 
@@ -341,7 +341,7 @@ class Work:
             self.steps.history.rename(str(file), str(place))
 
     def reload(self) -> None:
-        """Read the files again, or begin again if there are none. `undo` brings back what was not saved."""
+        """Read the files again, or begin anew if there are none. `undo` brings unsaved changes back."""
         before = self.texts
         self.world.forget()
         if self.is_new:
@@ -365,7 +365,7 @@ class Work:
     # ---------------------------------------------------------------------------------------------------------- journal
 
     def _marks(self) -> dict[str, str]:
-        """Marks of what is in the files, as far as is known."""
+        """Marks of the files' contents, as far as they are known."""
         return {SCENARIO: mark_of(self._saved), **self.files.marks}
 
     @property

@@ -1,1 +1,1 @@
-"""The page of a scenario that has faults: what is wrong, and what can be drawn, until the file is mended."""
+"""The page of a faulty scenario: its faults, and what can be drawn, until the file is mended."""

@@ -1,4 +1,4 @@
-"""Whether files have changed, by looking at them."""
+"""Watching files for changes."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _SMALL = 64 * 1024  # [bytes] up to which the content is compared too: a clock m
 
 
 def stamps_of(files: Iterable[Path]) -> Stamps:
-    """A mark of each file, which differs once the file has changed; None where there is none."""
+    """A mark of each file, which differs after a change; None for a file that does not exist."""
     return {file: _stamp(file) for file in files}
 
 
@@ -33,7 +33,7 @@ def stamps_of_scenario(name: str) -> Stamps:
 
 
 async def change_of(stamps: Stamps) -> Stamps:
-    """The marks of the files, once one of them has changed and none is being written any more.
+    """The marks of the files, once one has changed and none is being written any more.
 
     A file counts as written once it has looked the same twice.
     """

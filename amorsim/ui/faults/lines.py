@@ -1,4 +1,4 @@
-"""Faults as a window shows them, and which errors a user mends in the scenario's files."""
+"""Faults as a window shows them, and which errors a user can mend in the scenario's files."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _LONGEST = 200  # letters of a line of a file
 
 
 class FaultLine(TypedDict):
-    """A fault: where it is, what is there, and what is wrong with it."""
+    """A fault: its place, the value there, and what is wrong with it."""
 
     file: str
     line: int | None
@@ -37,7 +37,7 @@ class FaultsError(AmorsimError):
 
 
 def lines_of(error: AmorsimError) -> list[FaultLine]:
-    """The faults that an error lists of a scenario's files, or none if it is about something else.
+    """The faults of a scenario's files that an error lists; none if it is about something else.
 
     An error of the base class is of an option; `RunError` is of the folder that a run is written into.
     """

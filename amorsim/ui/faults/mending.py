@@ -1,4 +1,4 @@
-"""The session of a page that shows what is wrong with a scenario's file, until the file is mended.
+"""The session of a page that shows the faults of a scenario's file, until it is mended.
 
 The server reads the file itself, for nothing of a user's runs when a document is read. Whether the mended file can be
 simulated is found by starting its simulation, in the process that all simulations have.
@@ -32,7 +32,7 @@ _NUMBER = whole(0)
 
 
 class FaultyFile(TypedDict):
-    """How a scenario's file stands: the answer to ``document``."""
+    """The state of a scenario's file: the answer to ``document``."""
 
     ok: bool
     number: int  # of this answer; greater than of those before
@@ -168,7 +168,7 @@ class Mending:
         }
 
     def _show(self, status: str, faults: list[FaultLine]) -> None:
-        """Tell all windows how the file stands."""
+        """Send all windows the state of the file."""
         self._shown = self._faulty_file(self._shown["number"] + 1, status, faults)
         news, self._news = self._news, asyncio.Event()
         news.set()
@@ -186,12 +186,12 @@ class Mending:
         self._windows.discard(window)
 
     async def newest_frame(self, after: int = 0, window: str = "") -> bytes:
-        """Nothing, for nothing moves: it never returns."""
+        """Never returns, since nothing moves."""
         await asyncio.Event().wait()
         return b""
 
     def only_asks(self, name: str) -> bool:
-        """All commands only ask."""
+        """True: here all commands only ask."""
         return True
 
     async def ask(self, window: str, command: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Chains of noise in forms: what is in them, and what can be added; errors that can be added to lists of numbers."""
+"""Chains of noise in forms: their elements, what can be added, and errors for numbers in lists."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["ChainForm", "ElementForm", "TargetForm", "chains_of", "noises_for", 
 
 
 class ElementForm(TypedDict):
-    """An element of a chain: its name, that of its class, and whether the scenario does not have it."""
+    """An element of a chain: its name, its class's name, and whether it is not in the scenario."""
 
     name: str
     use: str
@@ -37,7 +37,7 @@ class ChainForm(TypedDict):
 
 
 class TargetForm(TypedDict):
-    """A number within a list that may be given an error, and has none yet."""
+    """A number in a list that has no error yet and may be given one."""
 
     path: str
     label: str
@@ -70,7 +70,7 @@ def chains_of(robot: Robot, scenario: Robot) -> list[ChainForm]:
 
 
 def noises_for(robot: Robot, path: str, written: Mapping[str, Any] | None = None) -> list[Choice]:
-    """The noises that can stand in a chain, with forms as files spell them, in the unit of the sensor.
+    """The noises that can be in a chain, with forms as files spell them, in the sensor's unit.
 
     `written` is the table of an element that is being made, which fills the form of its noise.
     """

@@ -1,4 +1,4 @@
-"""Forms described as plain values: what a window needs to show the fields of a component and to change them.
+"""Forms as plain values: what a window needs to show and change the fields of a component.
 
 `form_of` makes a description of any class whose fields are made with `amorsim.parameter`, a plugin's too, and
 `web/shared/forms.js` shows it. Neither knows what the form is for.
@@ -196,7 +196,7 @@ def why_fixed(parameter: Parameter) -> str:
 
 
 def why_part_fixed(parameter: Parameter) -> str:
-    """Why nothing in a parameter that has fields of its own can change while a simulation runs; empty if it can."""
+    """Why no field of a parameter that is a table can change while a simulation runs; empty if one can."""
     if parameter.component and parameter.static:
         return f"The {parameter.component} is set when the simulation is made."
     return "" if parameter.component else why_fixed(parameter)
@@ -231,7 +231,7 @@ class _Maker:
         self._registry = registry
 
     def fields(self, cls: type, values: Any, path: str, *, is_written: bool = True, fixed: str = "") -> list[FieldForm]:
-        """The fields of a class; `fixed` is the reason why none of them can change, if what they are part of cannot."""
+        """The fields of a class; `fixed` is why none of them can change, if so."""
         written = self._in_table(values)
         found = []
         for key, parameter in self._parameters(cls).items():

@@ -1,4 +1,4 @@
-"""Values as JSON has them: what a window gets of a component's fields, and what it gives back."""
+"""Values as JSON: those of a component's fields, sent to a window and received from it."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def plain(value: Any) -> Any:
 
 
 def field_plain(parameter: Parameter, value: Any) -> Any:
-    """A field's value as JSON has it: of one that is a component itself, with its registered name under ``use``."""
+    """A field's value as JSON; of a component, with its registered name under ``use``."""
     if not parameter.component or value is None:
         return plain(value)
     name = default_registry().name_of(parameter.component, type(value))
@@ -39,7 +39,7 @@ def field_plain(parameter: Parameter, value: Any) -> Any:
 
 
 def number_of(value: Any) -> Any:
-    """A number as a window gives it: ``{"normal": [1, 0.1]}`` is a distribution, anything else is what it is.
+    """A number as a window sends it: ``{"normal": [1, 0.1]}`` is a distribution; anything else is returned as it is.
 
     Raises
     ------

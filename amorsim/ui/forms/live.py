@@ -1,4 +1,4 @@
-"""Forms of a running robot: all parameters of its parts, what of them can change now, and where they come from."""
+"""Forms of a running robot: all parameters of its parts, which can change now, and where they come from."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def value_at(robot: Robot, path: str) -> Any:
 
 @attrs.frozen
 class _Robots:
-    """A robot as its software has it now, as it truly is, and as the scenario has it."""
+    """A robot as its software has it now, its true self, and the scenario's version."""
 
     nominal: Robot
     true: Robot
@@ -130,7 +130,7 @@ def _names(robot: Robot) -> Mapping[str, Sequence[str]]:
 
 
 class _Forms:
-    """The forms of one place."""
+    """Makes the forms of one part."""
 
     def __init__(self, robots: _Robots, place: _Place) -> None:
         self._robots = robots
@@ -260,7 +260,7 @@ class _Forms:
 
 
 def _fitting(widget: Widget, value: Any) -> Widget:
-    """Of a widget for either of several kinds of value that which shows the value."""
+    """For a widget for several kinds of value: the widget of the kind that the value has."""
     if widget["kind"] != "either":
         return widget
     wanted = {"list", "table", "forms"} if isinstance(value, tuple) else {"choice", "text"}
@@ -274,7 +274,7 @@ def _fixed_by_value(value: Any) -> str:
 
 
 def _found(robot: Robot, path: str) -> Any:
-    """A robot's value at a path, of any type; none where it has no such part."""
+    """A robot's value at a path, of any type; None if it has no such part."""
     if path.startswith("errors."):
         return value_at(robot, path)
     thing: Any = robot
@@ -296,7 +296,7 @@ def _number(value: Any) -> float | None:
 
 
 def _drawn_value(deviation: Deviation, part: str, nominal: float, true: float) -> float | None:
-    """The number drawn for a part of an error; none if it is not drawn, or another part is drawn as well."""
+    """The number that was drawn for a part of an error; None if it is not drawn, or other parts are drawn as well."""
     if not isinstance(getattr(deviation, part), Distribution):
         return None
     if part == "value":

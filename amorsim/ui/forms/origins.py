@@ -18,7 +18,7 @@ UNKNOWN = ("", "")
 
 
 class Origins:
-    """Looks up in a scenario's document where its values come from, once for each path."""
+    """Looks up in a scenario's document where values come from, once for each path."""
 
     def __init__(self, scenario: Scenario) -> None:
         self._robots = [robot.name for robot in scenario.robots]
@@ -31,7 +31,7 @@ class Origins:
                 self._document = None
 
     def of(self, robot: Robot, path: str, value: Any) -> tuple[str, str]:
-        """Where the scenario's `value` at a path of `Simulation.set` comes from: in a word, and in words for a user.
+        """Where a scenario's `value` at a path of `Simulation.set` comes from: as a keyword, and in words.
 
         The word is ``"file"``, ``"model"``, ``"device"``, ``"default"`` or ``"command line"``; both are empty where it
         is not known.
@@ -58,7 +58,7 @@ class Origins:
 
 
 def _spelt(robot: Robot, path: str) -> Iterator[str]:
-    """The paths at which a document may set a value, the most particular first."""
+    """The paths at which a document may set a value, the most specific first."""
     parts = path.split(".")
     is_error = parts[0] == "errors"
     chain = robot.ground if parts[0] == "ground" else ()
@@ -80,7 +80,7 @@ def _spelt(robot: Robot, path: str) -> Iterator[str]:
 
 
 def _differ(written: Any, value: Any, *, is_angle: bool) -> bool:
-    """Whether a number of the document is another than the scenario's, which the command line changed then."""
+    """Whether a number differs from the document's, so that the command line must have changed it."""
     if written == NONE or isinstance(written, bool) or isinstance(value, bool):
         return False
     if not isinstance(written, (int, float)) or not isinstance(value, (int, float)):

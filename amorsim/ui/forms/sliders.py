@@ -1,4 +1,4 @@
-"""Sliders of numbers: how far each goes, so that it starts from something sensible and nothing on it is refused."""
+"""Sliders for numbers: their ends, chosen so that the present value is on them and none is refused."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _CLEAR = 0.9  # of the way to a bound that is itself not allowed
 
 
 def slider_of(form: ParameterForm, origin: Any) -> list[float]:
-    """Ends of a slider: what is near the scenario's value `origin`, as far as it is allowed; always the present value.
+    """The ends of a slider: near the scenario's value `origin`, within the bounds, around the present value.
 
     For what is drawn the middle is the middle of the distribution; what was drawn is on it.
     """
@@ -64,7 +64,7 @@ def _near(form: ParameterForm, origin: float) -> tuple[float, float]:
 
 
 def _bounds(form: ParameterForm, inside: float) -> tuple[float, float]:
-    """The allowed range; a bound that is itself excluded is moved a little towards a value inside."""
+    """The allowed range; a bound that is excluded is moved a little inwards."""
     low = -math.inf if form["low"] is None else form["low"]
     high = math.inf if form["high"] is None else form["high"]
     if form["is_open"][0] and math.isfinite(low):

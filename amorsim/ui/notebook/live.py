@@ -43,7 +43,7 @@ Table = Mapping[str, Any]
 
 
 class _InPlace(Player):
-    """A player whose simulation stays the same object when it begins again."""
+    """A player that keeps the same simulation object when it begins again."""
 
     _start: Snapshot | None = None
 

@@ -22,7 +22,7 @@ _SCRIPT = Path(__file__).parents[1] / "web" / "notebook" / "widget.js"
 
 @checked
 def widget(simulation: Simulation, *, height: int = 560) -> Any:
-    """The Simulator's window in a notebook, with a simulation of the notebook itself.
+    """The Simulator's window in a notebook, for a simulation of the notebook's own.
 
     Play, pause, step and go back in time, drive by keys and set errors by sliders; what the next cell sees is the
     simulation as it stands on the screen. While a cell runs, the window waits. If a cell moves the simulation, the
@@ -79,7 +79,7 @@ def _widget_class() -> Any:
             self.send({"frame": True}, buffers=[frame])
 
         def _heard(self, _: Any, message: Any, __: Any) -> None:
-            """A window's message: it opens or goes, has got a frame, or asks something."""
+            """Handle a window's message: it opened, closed, received a frame, or asks something."""
             if not isinstance(message, dict) or not isinstance(window := message.get("window"), str):
                 return
             if message.get("is") == "open":

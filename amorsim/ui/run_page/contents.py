@@ -1,4 +1,4 @@
-"""What a run's page holds: the scene, and the run's moments, events and beliefs, in few bytes."""
+"""The content of a run's page, in few bytes: the scene, and the run's moments, events and beliefs."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def _ticks(last: int, every: int) -> list[int]:
 
 
 def _rows(arrays: Any) -> Array:
-    """Arrays of one size as the rows of a table."""
+    """Arrays of one length, as the rows of a table."""
     rows = [np.asarray(array, dtype=float).reshape(-1) for array in arrays]
     return np.array(rows).reshape(len(rows), -1)
 
@@ -98,7 +98,7 @@ def _rows(arrays: Any) -> Array:
 def _robot(
     recording: Recording, writer: SeriesWriter, robot: int, ticks: Sequence[int], moments: Sequence[Dynamic]
 ) -> dict[str, Any]:
-    """Readings, rates, particles and what plots show of a robot's past."""
+    """A robot's past: readings, rates, particles and other plotted values."""
     selected = [moment.selected for moment in moments]
     sensors = recording.scene["kinds"][recording.scene["robots"][robot]["kind"]]["sensors"]
     places = Places((one["size"], len(one["columns"])) for one in sensors)
@@ -143,7 +143,7 @@ def _clouds(writer: SeriesWriter, clouds: Sequence[Array], most: int) -> dict[st
 
 
 class _Interned:
-    """Tables of values at some ticks; each value is kept once, and ticks at which nothing changes are left out.
+    """Tables of values by tick; each value is stored once, and ticks without a change are left out.
 
     Attributes
     ----------
@@ -177,7 +177,7 @@ def _images(recording: Recording) -> dict[str, str]:
 
 
 def _scene(recording: Recording, robots: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """The scene; what the page lacks is listed beside what the folder lacks."""
+    """The scene; what the page leaves out is listed beside what the folder lacks."""
     scene = recording.scene
     about = scene["recorded"]
     lacks = [*about["lacks"]]

@@ -14,7 +14,7 @@ _NAN, _INF, _MINUS_INF = -(2**31), 2**31 - 1, -(2**31) + 1  # what these are wri
 
 
 class Series(TypedDict):
-    """A table `(rows, width)` within bytes: where it begins, and by which powers of ten its columns were rounded."""
+    """A table `(rows, width)` in bytes: where it begins, and the powers of ten by which its columns were rounded."""
 
     at: int
     rows: int

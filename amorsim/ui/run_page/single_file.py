@@ -1,4 +1,4 @@
-"""A page of the window in one HTML document: its scripts and styles within it, and no address that it asks."""
+"""A page of the window in one HTML document, with its scripts and styles, which loads nothing."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _PREFIX = "amorsim/"  # of a script's name in the page
 
 
 def single_file(title: str, start: str, contents: str = "") -> str:
-    """The Simulator's page, which begins with the script `start`; `contents` is text for it, without markup."""
+    """The Simulator's page, started by the script `start`; `contents` is text for it, without markup."""
     scripts = json.dumps({"imports": _scripts(start)}, separators=(",", ":"))
     start = f'import "{_PREFIX}{start}";'
     styles = "\n".join((WEB / name).read_text(encoding="utf-8") for name in _STYLES)

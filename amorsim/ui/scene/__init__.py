@@ -1,1 +1,1 @@
-"""Scenes: what a window draws of a scenario that is simulated, or that can only be read."""
+"""Scenes: what a window draws of a scenario, simulated or only read."""

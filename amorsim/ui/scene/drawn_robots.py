@@ -1,4 +1,4 @@
-"""Robots as they are drawn: what each has of its own, and what robots of one kind have in common."""
+"""Robots as they are drawn: each one's own properties, and those shared by robots of one kind."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class RobotShapes:
         return entry
 
     def parts(self, robot: Robot) -> list[ObstacleShape]:
-        """The parts of a robot's drive, such as trailers, which are drawn as obstacles are."""
+        """The parts of a robot's drive, such as trailers, drawn as obstacles are."""
         return [
             {**body_of(f"{robot.name}.{part.name}", part.shape, self._colours[robot.name]), "part_of": robot.name}
             for part in robot.drive.parts
@@ -117,7 +117,7 @@ def _wheels(drive: Drive, stacked: Drive) -> list[list[float]]:
 
 
 def _drive_channels(drive: Drive) -> list[Channel]:
-    """The drive's channels with their limits, as far as its fields have names that show them."""
+    """The drive's channels with their limits, as far as the names of its fields show them."""
     fixed = [joint.name for joint in drive.joints if not joint.rolls]
     channels: list[Channel] = []
     for name in drive.channels:
@@ -145,7 +145,7 @@ def _device_channels(sensors: Mapping[str, MountedSensor]) -> list[Channel]:
 
 
 def _fastest(drive: Drive, nominal: Drive) -> list[float]:
-    """The fastest of each part of a velocity alone: the drive's top speed, or where the joints reach their limit."""
+    """The top speed of each part of a velocity by itself: the drive's own, or where a joint reaches its limit."""
     limit = _number(nominal, "rate_max")
     found = list(FASTEST)
     if limit is not None and math.isfinite(limit):

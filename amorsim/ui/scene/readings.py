@@ -1,4 +1,4 @@
-"""How the readings of a sensor are drawn: what a window needs to know of it besides where it sits.
+"""How to draw the readings of a sensor: what a window needs besides the mount.
 
 A few kinds of sensor are known here by name. All others are recognised by their fields and columns: a sensor in metres
 with bearings and a range has beams, one whose table has a range and a bearing finds things; so those of plugins are
@@ -23,7 +23,7 @@ __all__ = ["drawing_of"]
 
 
 def drawing_of(sensor: Sensor, mount: Mount, shape: Shape, *, has_bearings: bool) -> Drawing | None:
-    """How a sensor's readings are drawn, by its parameters for one robot; None for what is not drawn.
+    """How to draw a sensor's readings, by its parameters for one robot; None if they are not drawn.
 
     Parameters
     ----------

@@ -19,7 +19,7 @@ _NOTHING = [0.0, 0.0, 12.0, 8.0]  # m, what is seen of a world in which nothing 
 
 
 class StillBuilder:
-    """The scene of what can be read of a scenario, at rest, and the pictures of maps that it names.
+    """The scene at rest of a scenario as far as it can be read, and the pictures of its maps.
 
     Robots are drawn by their nominal parameters: the true ones may be drawn at random, which only a simulation does.
 
@@ -81,7 +81,7 @@ class StillBuilder:
 
 
 def _parts(robot: Robot, robots: RobotShapes) -> list[tuple[ObstacleShape, Pose | None]]:
-    """The parts of a robot, and where they stand."""
+    """The parts of a robot, with their poses."""
     shapes = robots.parts(robot)
     if robot.pose is None:
         return [(shape, None) for shape in shapes]
@@ -106,7 +106,7 @@ def _outline_shape(outline: Outline) -> OutlineShape:
 
 
 def _extent(scene: Scene, partial: Partial, outlines: Iterable[Outline]) -> list[float]:
-    """The box to show: the map, or where there is none, all that stands in the world."""
+    """The box to show: the map, or without one all things in the world."""
     if scene["map"] is not None:
         return scene["maps"][scene["map"]]["extent"]
     bodies: list[Robot | Obstacle | Outline] = [*partial.robots, *partial.obstacles, *outlines]

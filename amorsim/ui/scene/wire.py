@@ -1,4 +1,4 @@
-"""Scenes as tables of plain values: what is drawn of a world and of the bodies in it."""
+"""Scenes as tables of plain values: a world and the bodies in it."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ __all__ = [
 
 
 class Image(TypedDict):
-    """A picture of a map; `name` is what the command ``image`` takes. Occupied cells are black, free ones clear."""
+    """A picture of a map; `name` is for the command ``image``. Occupied cells are black, free ones clear."""
 
     name: str
     extent: list[float]  # x0, y0, x1, y1 [m] in the map's frame
 
 
 class MapShape(TypedDict):
-    """A map as it is drawn: lines, or a picture where there are none.
+    """A map to draw: lines, or a picture if it has none.
 
     The map's frame has its origin at `origin` and is turned by its heading; `segments` are in the world already.
     """
@@ -62,7 +62,7 @@ class Channel(TypedDict):
 
 
 class Drawing(TypedDict, total=False):
-    """How readings are drawn; `style` is always there, and of the rest what that style needs.
+    """How readings are drawn; `style` is always there, and of the other keys those that the style needs.
 
     - ``beams``, ``cones``: values are ranges [m] along `bearings`.
     - ``things``: a table of what is seen at a ``range`` and a ``bearing``, with its ``id`` or its ``colour``, which is
@@ -153,7 +153,7 @@ class FloorPatch(TypedDict):
 
 
 class Floor(TypedDict):
-    """The things in the world besides walls and bodies; robots may know of them or not."""
+    """Things in the world other than walls and bodies; robots may know of them or not."""
 
     landmarks: list[list[float]]  # x, y, radius [m]
     lights: list[list[float]]  # x, y [m]
@@ -192,7 +192,7 @@ class Scene(TypedDict):
 
 
 class OutlineShape(TypedDict):
-    """A robot or an obstacle with nothing but an outline and a place that can be read."""
+    """A robot or an obstacle of which only the outline and the pose could be read."""
 
     name: str
     footprint: Outline

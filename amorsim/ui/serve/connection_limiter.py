@@ -55,7 +55,7 @@ class ConnectionLimiter:
 
 
 class _Visitor(asyncio.Protocol):
-    """A connection: all that comes goes on to `inner`, until another takes its place (as for a WebSocket)."""
+    """A connection that passes all it receives on to `inner`, until another takes its place (as for a WebSocket)."""
 
     def __init__(self, limiter: ConnectionLimiter, inner: asyncio.Protocol) -> None:
         self._limiter = limiter

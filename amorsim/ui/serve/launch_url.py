@@ -33,7 +33,7 @@ class LaunchUrl:
         self._opening: list[OpeningPage] = []
 
     def ready(self, door: Door) -> None:
-        """The server can be asked."""
+        """The server answers from now on."""
         if not door.is_for_this_machine:
             self._complain(
                 f"served on {door.host} without encryption: anyone who can read this network's traffic can see the "

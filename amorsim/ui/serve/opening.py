@@ -1,4 +1,4 @@
-"""Opening the window in the browser, without its token in the list of processes, which every account can read."""
+"""Opening the window in the browser, with its token out of the list of processes, which every account can read."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _PAGE = """<!doctype html>
 
 
 class OpeningPage:
-    """A page that leads the browser to an address. It lies in a file that only the user can read.
+    """A page that leads the browser to an address, in a file that only the user can read.
 
     Raises
     ------

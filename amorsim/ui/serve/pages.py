@@ -1,4 +1,4 @@
-"""The pages of a server: each shows one session, and is known by its kind and the session's name."""
+"""The pages of a server: each shows one session, and has an address of its kind and the session's name."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ class Talks(Protocol):
         """A window has gone."""
 
     async def newest_frame(self, after: int = 0, window: str = "") -> bytes:
-        """A window's newest frame, once there is one whose number is above `after`; nothing where none will come."""
+        """A window's newest frame, as soon as its number is above `after`; empty if none will come."""
 
     def only_asks(self, name: str) -> bool:
-        """Whether a command only asks: such commands are answered at once, the others in the order they came in."""
+        """Whether a command only asks: such are answered at once, others in the order in which they came."""
 
     async def ask(self, window: str, command: Mapping[str, Any]) -> dict[str, Any]:
         """The answer to a command."""

@@ -64,7 +64,7 @@ class Door:
     _tokens: dict[str, Callable[[], None]] = attrs.field(factory=dict, init=False, repr=False)
 
     def new_address(self, used: Callable[[], None] = lambda: None) -> str:
-        """A new opening address, whose token works once; `used` is called when it has."""
+        """A new address with a token that works once; `used` is called when it was used."""
         token = secrets.token_urlsafe(24)
         self._tokens[token] = used
         host = "127.0.0.1" if self._is_wildcard else self.host
@@ -75,7 +75,7 @@ class Door:
         return self._token(given) is not None
 
     def spend(self, given: str) -> bool:
-        """Take a token; whether it opened the door, which it does no more."""
+        """Use up a token; returns whether it was valid."""
         token = self._token(given)
         used = None if token is None else self._tokens.pop(token, None)
         if used is None:
@@ -90,7 +90,7 @@ class Door:
 
     @property
     def is_for_this_machine(self) -> bool:
-        """Whether no other machine can reach the server."""
+        """Whether only this machine can reach the server."""
         return self.host in LOOPBACK or (_is_address(self.host) and ipaddress.ip_address(self.host).is_loopback)
 
     @property
@@ -120,7 +120,7 @@ def _head_size(scope: Scope) -> int:
 
 
 class Guard:
-    """The middleware: lets through what the door allows, refuses the rest with one line of text."""
+    """The middleware: passes on what the door allows, and refuses the rest with one line of text."""
 
     def __init__(self, app: App, door: Door) -> None:
         self.app = app
@@ -151,7 +151,7 @@ class Guard:
         await self.app(scope, receive, send if scope["type"] == "websocket" else _with_headers(send))
 
     def _stranger(self, scope: Scope, headers: _Headers, token: str) -> str:
-        """Why this request is not from a page of ours, or nothing."""
+        """Why this request is not from a page of this server; empty if it is."""
         host = headers.one("host")
         if host is None or not self.door.knows_host(host):
             return "This host is not ours."
@@ -169,7 +169,7 @@ class Guard:
 
     @staticmethod
     def _token_in(scope: Scope, headers: _Headers) -> str:
-        """The token that a request to open the page brings, or nothing."""
+        """The token in a request to open the page; empty if there is none."""
         if scope["type"] != "http" or scope["method"] != "GET" or scope["path"] != "/":
             return ""
         if headers.one("sec-fetch-dest") not in (None, "document"):
@@ -209,7 +209,7 @@ class _Headers:
         return [value.decode("latin-1") for key, value in self._pairs if key.lower() == wanted]
 
     def one(self, name: str) -> str | None:
-        """The header's value; None where it is missing or, which no browser does, there more than once."""
+        """The header's value; None if it is missing, or repeated, which no browser does."""
         found = self.all(name)
         return found[0] if len(found) == 1 else None
 

@@ -37,7 +37,7 @@ FRESH = {"cache-control": "no-cache"}  # a browser asks whether it is new, so th
 
 
 def build(pages: Pages, door: Door, started: Callable[[], None] = lambda: None) -> App:
-    """The whole application for some pages; `started` is called once it can be asked."""
+    """The application for some pages; `started` is called as soon as it answers."""
 
     @asynccontextmanager
     async def lifespan(_: Starlette) -> AsyncIterator[None]:
@@ -151,7 +151,7 @@ def listen(host: str, port: int) -> socket.socket:
 
 
 class _Server(uvicorn.Server):
-    """Ends what it serves as soon as a signal comes, not after its windows have gone."""
+    """A server that stops at once on a signal, and does not wait for its windows."""
 
     def __init__(self, config: uvicorn.Config, ending: Callable[[], Awaitable[None]]) -> None:
         super().__init__(config)

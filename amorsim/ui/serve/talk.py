@@ -39,7 +39,7 @@ class Talk:
         self.sending = asyncio.Lock()
 
     async def run(self) -> None:
-        """Talk until the window goes."""
+        """Serve the connection until the window is closed."""
         await self.websocket.accept()
         self.window = self.session.open_window(self.websocket.query_params.get("tab", "")[:MOST_OF_TAB])
         tasks = [asyncio.create_task(work()) for work in (self._hear, self._show, self._obey)]

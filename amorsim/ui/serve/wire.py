@@ -47,7 +47,7 @@ def _no_number(word: str) -> NoReturn:
 
 
 def decode(text: str | None) -> dict[str, Any]:
-    """The message in a text: a command, or a report of what is drawn; None if it is not text.
+    """The message in a text: a command, or a report of what was drawn; None if it is not text.
 
     Raises
     ------
@@ -69,7 +69,7 @@ def decode(text: str | None) -> dict[str, Any]:
 
 
 def number_of(message: Mapping[str, Any]) -> int | None:
-    """The number that the answer to a command is to have; None where it has none that is one."""
+    """The number that a command wants on its answer; None if it has none."""
     number = message.get("id")
     return number if _NUMBER.holds(number) else None
 

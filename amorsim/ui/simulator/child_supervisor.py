@@ -109,7 +109,7 @@ class ChildSupervisor:
         return str(ready["since"])
 
     async def _await_ready(self, link: Link) -> Answer:
-        """The child's message that it is ready; meanwhile the user hears what takes so long."""
+        """Wait for the child's message that it is ready; meanwhile tell the user what takes so long."""
         deadline = time.monotonic() + LONGEST_START
         sign: asyncio.Future[Answer] | None = None
         while not (await asyncio.wait([link.ready], timeout=BETWEEN_PINGS))[0]:
@@ -144,7 +144,7 @@ class ChildSupervisor:
     # -------------------------------------------------------------------------------------------------------- speaking
 
     def send(self, command: Table) -> asyncio.Future[Answer]:
-        """Send the child a command; the answer comes in time.
+        """Send the child a command; returns a future of the answer.
 
         Raises
         ------
@@ -158,7 +158,7 @@ class ChildSupervisor:
         return self.link.send(command)
 
     async def demand(self, command: Table) -> Answer:
-        """The answer to a command, which must be carried out.
+        """The answer to a command that must succeed.
 
         Raises
         ------
@@ -171,7 +171,7 @@ class ChildSupervisor:
         return answer
 
     def remark(self, kind: str, text: str, **more: str) -> None:
-        """Let the child note something among what happened."""
+        """Let the child add a remark to the events."""
         with contextlib.suppress(AmorsimError):
             self.send({"do": "remark", "kind": kind, "text": text, **more})
 
@@ -192,7 +192,7 @@ class ChildSupervisor:
     # -------------------------------------------------------------------------------------------------------- watching
 
     async def _watch(self) -> None:
-        """Ask the child for signs of life, and note when a controller holds it up."""
+        """Ask the child for signs of life, and note when a controller blocks it."""
         while True:
             await asyncio.sleep(BETWEEN_PINGS)
             link = self.link
@@ -236,7 +236,7 @@ class ChildSupervisor:
             self.link.give_up(f"the simulation does not answer: {text}")
 
     def _ended(self, link: Link) -> None:
-        """The child's end that nobody asked for."""
+        """Handle the end of a child that was not asked to end."""
         is_expected = self.hang is not None and self.hang["status"] == "restarting"
         if self._is_closed or link is not self.link or self._scene is None or is_expected:
             return
@@ -278,7 +278,7 @@ class ChildSupervisor:
             return {"ok": True, "again": True}
 
     async def _go_on(self, without: list[str]) -> None:
-        """Let the child go on whose controller was broken off."""
+        """Let the child continue after its controller was interrupted."""
         hang, self.hang = self.hang, None
         self._frame_buffer.move_on()
         for name in without:
@@ -289,7 +289,7 @@ class ChildSupervisor:
             self.remark("restarted", "the step was broken off and taken back")
 
     async def _start_another(self, link: Link, without: list[str]) -> None:
-        """Start another child in the place of one that hangs or is gone."""
+        """Start another child in place of one that hangs or has ended."""
         inputs = list(link.inputs)
         tick = max([link.tick, *(one["tick"] for one in inputs)])
         inputs += [{"tick": tick, "do": "hand_over", "robot": name, "value": "hand", "path": ""} for name in without]
@@ -311,7 +311,7 @@ class ChildSupervisor:
         self.remark("restarted", f"it was started again, and led to where it was {since}")
 
     async def _is_back(self, link: Link) -> bool:
-        """Whether the child's controller has returned; the answer comes soon."""
+        """Whether the child's controller has returned; asks the child, which answers soon."""
         deadline = time.monotonic() + LONGEST_INTERRUPT
         while time.monotonic() < deadline and link.is_alive:
             sign = await self._sign(link, 0.2)

@@ -1,4 +1,4 @@
-"""Which windows there are, and which of them has the controls."""
+"""The open windows, and which of them has the controls."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Controls:
         self._clock = clock
 
     def open(self, tab: str = "") -> str:
-        """A new window's word; where the controls are nobody's and wait for no other, or it is alone, it gets them.
+        """A new window's name; it gets the controls if nobody has them and no other window waits, or it is alone.
 
         `tab` is the same for the windows that one tab shows after one another.
         """
@@ -51,7 +51,7 @@ class Controls:
         return window
 
     def close(self, window: str) -> bool:
-        """Forget a window; whether it had the controls, which wait for its tab, and go to the first that asks then."""
+        """Forget a window; returns whether it had the controls, which wait for its tab or go to the first that asks."""
         tab = self._windows.pop(window, "")
         self.asking = [one for one in self.asking if one != window]
         if self.holder != window:
@@ -64,7 +64,7 @@ class Controls:
         return True
 
     def pass_on(self) -> bool:
-        """Let the first that asks have the controls, where they are nobody's and wait for none; whether it got them.
+        """Give the controls to the first that asks, if nobody has them and no tab is awaited; returns whether it did.
 
         A session whose state is not asked for all the time calls this now and then.
         """

@@ -1,4 +1,4 @@
-"""The newest moment for the windows that wait for it: one is kept, one is under way, and none waits for a window."""
+"""The newest frame for the windows: one is kept, one is on its way, and the simulation waits for no window."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class FrameBuffer:
             self._waiting = [one for one in self._waiting if one is not waiter]
 
     def _want(self, *, now: bool) -> None:
-        """Ask for the next bundle; `now` for one even where nothing has changed since the last."""
+        """Ask for the next bundle; with `now` also if nothing has changed since the last one."""
         if now or not self._is_asked:
             self._is_asked = self._ask(now)
 
@@ -97,7 +97,7 @@ class FrameBuffer:
         self._at = -math.inf
 
     def turn(self) -> None:
-        """A window has turned to another robot: the next frame must show it, even if nothing moves."""
+        """A window selected another robot: the next frame must show it, even if nothing moves."""
         self._at = -math.inf
         self._is_turned = True
         if self._is_still and self._bundle is not None:
@@ -106,14 +106,14 @@ class FrameBuffer:
             self._want(now=True)
 
     def stand_still(self) -> None:
-        """Show that no frame comes any more for the time being."""
+        """Note that no frames come for the time being."""
         self._is_still = True
         if self._bundle is not None:
             flags = self._bundle.flags & ~FrameFlag.RUNNING
             self._publish(self._bundle, flags | FrameFlag.HANG)
 
     def move_on(self) -> None:
-        """Frames come again, maybe from another child: ask for one if anybody waits."""
+        """Note that frames come again, perhaps from another child; ask for one if a window waits."""
         self._is_asked = self._is_still = False
         self._at = -math.inf
         if self._waiting:

@@ -34,7 +34,7 @@ _alive: weakref.WeakSet[Link] = weakref.WeakSet()
 
 
 class Link:
-    """A child process, of the event loop in which it is made.
+    """A child process that belongs to the event loop in which it is made.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ class Link:
         return "\n".join(self._log)
 
     def send(self, command: Mapping[str, Any]) -> asyncio.Future[Answer]:
-        """Send a command; the answer comes in time.
+        """Send a command; returns a future of the answer.
 
         Raises
         ------
@@ -136,7 +136,7 @@ class Link:
         return answer
 
     def give_up(self, reason: str) -> None:
-        """Answer what waits with an `AmorsimError`, signs of life apart; a late answer is thrown away."""
+        """Answer all waiting commands with an `AmorsimError`, except signs of life; late answers are thrown away."""
         for number in [number for number in self._open if number not in self._pings]:
             _fail(self._open.pop(number), reason)
 
@@ -203,7 +203,7 @@ class Link:
             self._post(self._heard, *message)
 
     def _hear(self) -> None:
-        """Pass on what it writes into its log."""
+        """Pass on what the child writes into its log."""
         assert self._process.stderr is not None
         with contextlib.suppress(OSError, ValueError):  # closed
             for line in self._process.stderr:
@@ -219,11 +219,11 @@ class Link:
         self._post(self._finish, code)
 
     async def close(self, timeout: float = LONGEST_END) -> None:
-        """End it: in order where it can within `timeout` [s], else by force."""
+        """End the child: in order if it ends within `timeout` [s], else by force."""
         await asyncio.to_thread(self.close_now, timeout)
 
     def close_now(self, timeout: float = LONGEST_END) -> None:
-        """The same in any thread, which waits for it."""
+        """The same from any thread, which waits for it."""
         if self._process.poll() is None and timeout > 0.0:
             self.tell({"do": "end"})
             with contextlib.suppress(subprocess.TimeoutExpired):

@@ -1,4 +1,4 @@
-"""Which robot each window looks at."""
+"""The robot that is selected in each window."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ class Looks:
         self._robots: dict[str, int] = {}
 
     def of(self, window: str) -> int:
-        """The robot that a window looks at, which is counted among `robots` from now on."""
+        """The robot that a window has selected, which is among `robots` from now on."""
         return self._robots.setdefault(window, 0)
 
     def turn(self, window: str, robot: int) -> None:
@@ -25,5 +25,5 @@ class Looks:
 
     @property
     def robots(self) -> list[int]:
-        """All that are looked at, each once; that of place 0 where none is."""
+        """All selected robots, each once; the first robot if none is selected."""
         return sorted(set(self._robots.values())) or [0]

@@ -24,7 +24,7 @@ _PART = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.() -]{0,99}")
 
 
 def place_for(project: Path, name: Any, suffix: str = "") -> Path:
-    """The file or folder in the project's folder that a window means by a name, with `suffix` where it has none.
+    """The file or folder in the project's folder for a name given in a window; `suffix` is added if it has none.
 
     Raises
     ------
@@ -120,7 +120,7 @@ class Saver:
             self._running.discard(process)
 
     def close(self) -> None:
-        """Break off what is being saved; its files are whole up to there."""
+        """Stop what is being saved; its files are complete up to there."""
         self._is_closed = True
         for process in self._running:
             with contextlib.suppress(OSError):

@@ -1,4 +1,4 @@
-"""The request for a window, from which another process makes the same simulation, or opens the same run."""
+"""What a window was opened with: from it another process makes the same simulation, or opens the same run."""
 
 from __future__ import annotations
 

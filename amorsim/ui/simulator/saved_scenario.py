@@ -1,4 +1,4 @@
-"""The scenario of a window written into a file, with what was changed in the window."""
+"""A window's scenario written into a file, with the changes that were made in the window."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def save_scenario(simulation: Simulation, path: Path, *, changes: Sequence[str] 
 
 
 def _authored(scenario: Scenario, robots: Sequence[Robot], changes: Sequence[str], seed: int) -> Document | None:
-    """The document of the scenario's file with what was changed; none where it does not mean the same robots."""
+    """The document of the scenario's file with the changes; None if it does not have the same robots."""
     registry = default_registry()
     with contextlib.suppress(DocumentError, ScenarioError, OSError):
         assert scenario.source is not None
@@ -112,7 +112,7 @@ def _name_copies(document: Document, scenario: Scenario, folders: Sequence[Path]
 
 
 def _not_the_users(scenario: Scenario, passing: str) -> list[Path]:
-    """The folders whose files a scenario of the user's should not name: they pass, or belong to a program."""
+    """Folders whose files a saved scenario should not name: they are temporary, or belong to a program."""
     registry = default_registry()
     bundled = {registry.file("scenario", name).parent for name in registry.names("scenario")}
     folders = {Path(passing)} if passing else set()
@@ -122,7 +122,7 @@ def _not_the_users(scenario: Scenario, passing: str) -> list[Path]:
 
 
 def _copying(scenario: Scenario, folders: Sequence[Path], path: Path) -> Callable[[str], str]:
-    """A function that copies a map that lies in some folders next to the file that is to be, and names the copy.
+    """A function that copies maps from some folders to the folder of the new file, and returns the copy's name.
 
     The copy is named after that file. Other maps, and those of several files, stay where they are.
     """
@@ -147,7 +147,7 @@ def _copying(scenario: Scenario, folders: Sequence[Path], path: Path) -> Callabl
 
 
 def _is_copied(file: Path, copy: Path) -> bool:
-    """Copy a file to where there is none; whether there was none. A link there, which may lead anywhere, is one."""
+    """Copy a file unless its target exists, be it a link; returns whether it was copied."""
     try:
         copy.touch(exist_ok=False)
     except FileExistsError:

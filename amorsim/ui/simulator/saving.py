@@ -1,4 +1,4 @@
-"""Saving a run at any time: another process simulates it again with what was given to it, and writes it down.
+"""Saving a run at any time: another process repeats the simulation with the same inputs, and writes it.
 
 So nothing is written while nobody asks for it, and the simulation in the window goes on meanwhile.
 """

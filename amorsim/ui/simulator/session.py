@@ -134,7 +134,7 @@ class Session:
 
     @property
     def folder(self) -> str:
-        """The folder that the run is written into, or was until the end; nothing where there is none."""
+        """The folder that the run is or was written into; None if there is none."""
         link = self._supervisor.link
         folder = link.folder if link is not None else ""
         return folder if folder and is_file(Path(folder, "run.json")) else ""
@@ -142,11 +142,11 @@ class Session:
     # --------------------------------------------------------------------------------------------------------- windows
 
     def open_window(self, tab: str = "") -> str:
-        """Let a new window watch; returns the word by which it is known. The first has the controls (`Controls`)."""
+        """Open a new window, which watches; returns its name. The first has the controls (`Controls`)."""
         return self._controls.open(tab)
 
     def close_window(self, window: str) -> None:
-        """Let a window go; what it drove by hand stands."""
+        """Forget a window; robots that it drove by hand stop."""
         self._looks.close(window)
         if self._controls.close(window):
             with contextlib.suppress(AmorsimError):
@@ -154,7 +154,7 @@ class Session:
 
     @property
     def holder(self) -> str:
-        """The window that has the controls, or nothing."""
+        """The window that has the controls, or empty."""
         return self._controls.holder
 
     async def newest_frame(self, after: int = 0, window: str = "") -> bytes:
@@ -168,7 +168,7 @@ class Session:
     # -------------------------------------------------------------------------------------------------------- commands
 
     def only_asks(self, name: str) -> bool:
-        """Whether a command only asks: such commands are answered at once, the others in the order they came in."""
+        """Whether a command only asks: such are answered at once, others in the order in which they came."""
         return name in COMMANDS and COMMANDS[name].asks
 
     async def ask(self, window: str, command: Table) -> Answer:
@@ -212,7 +212,7 @@ class Session:
         return answer
 
     def _select(self, window: str, command: Table) -> Answer:
-        """Let a window look at a robot, whatever others look at."""
+        """Select a robot in a window; other windows keep theirs."""
         names = [robot["name"] for robot in self.scene["robots"]]
         robot = command.get("robot")
         if isinstance(robot, str) and robot in names:
@@ -254,7 +254,7 @@ class Session:
         return {"ok": True, "file": str(file)}
 
     async def _page(self) -> str:
-        """The run as one HTML file that plays by itself; a simulation's is simulated again up to its newest moment."""
+        """The run as one HTML file that plays by itself; a simulation is repeated up to its newest moment for it."""
         from amorsim.ui.run_page.document import run_page  # with the engine, which the server does not need
 
         with temporary_folder("page") as folder:

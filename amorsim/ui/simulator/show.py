@@ -1,4 +1,4 @@
-"""The window's process: it keeps a session and serves its window until it is asked to end."""
+"""The window's process: keeps a session and serves its window until it is asked to end."""
 
 from __future__ import annotations
 
@@ -44,12 +44,12 @@ def check_extra() -> None:
 
 
 def can_be_mended(recipe: Recipe, faults: list[FaultLine]) -> bool:
-    """Whether what is wrong with a scenario may go if its file, or one that it names, is changed."""
+    """Whether a change of the scenario's file, or of one that it names, may remove its faults."""
     return _is_own_file(recipe) and any(not fault["file"].startswith("--set ") for fault in faults)
 
 
 def _is_own_file(recipe: Recipe) -> bool:
-    """Whether a scenario is a file of the user's, which may change."""
+    """Whether a scenario is the user's own file, which may change."""
     return not recipe.passing and Path(recipe.name).suffix in ("", ".toml") and is_file(recipe.name)
 
 
@@ -157,7 +157,7 @@ class _Shown:
         return "" if self._session is None else self._session.folder
 
     async def begin(self, known: FaultsError | None) -> None:
-        """Open the simulation's page, or else that of the faults, for as long as there are any.
+        """Open the simulation's page, or that of the faults as long as there are any.
 
         Raises
         ------

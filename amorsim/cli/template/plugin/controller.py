@@ -1,4 +1,4 @@
-"""A controller: straight on, and away from what is near."""
+"""A controller that drives straight on, and away from what is near."""
 
 from __future__ import annotations
 

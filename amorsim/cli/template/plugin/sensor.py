@@ -1,4 +1,4 @@
-"""A sensor: the distance to what is straight ahead."""
+"""A sensor that measures the distance straight ahead."""
 
 from __future__ import annotations
 

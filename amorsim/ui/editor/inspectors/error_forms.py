@@ -25,7 +25,7 @@ Path = tuple[str, ...]
 
 
 def targets(drive: type | None, sensors: Mapping[str, type | None]) -> dict[Path, Parameter]:
-    """The numbers of a robot that may have an error, by their paths in its table of errors, spelt as in files."""
+    """The numbers of a robot that may have an error, by their paths in the table of errors, as files spell them."""
     found: dict[Path, Parameter] = {("drive", key): one for key, one in _numbers(drive)}
     for name, cls in sensors.items():
         found |= {("sensors", name, key): one for key, one in _numbers(cls)}

@@ -23,7 +23,7 @@ _NEW: dict[str, tuple[str, dict[str, Any]]] = {
 
 
 def described(of: ThingFields) -> Section:
-    """What the scenario is about, in its own words."""
+    """The description of the scenario."""
     written = of.document.values.get("description")
     section = of.section("Scenario", (), [])
     section["path"] = "description"
@@ -52,7 +52,7 @@ def _adding(of: ThingFields, label: str, key: str, value: dict[str, Any]) -> Add
 
 
 def _thing(of: ThingFields, key: str, number: int) -> Iterator[Section]:
-    """The form of a line, an area or a drop, whose own inspector this is."""
+    """The form of a line, an area or a drop that is selected."""
     is_line = key == "markings" and "shape" not in of.table
     kind = "drop" if key == "drops" else "line" if is_line else "area"
     title = f"{kind} {number + 1}"

@@ -1,4 +1,4 @@
-"""The inspector of a thing: its tables, each as a form where its fields are known, and else as TOML."""
+"""The inspector of a thing: its tables as forms where their fields are known, else as TOML."""
 
 from __future__ import annotations
 
@@ -222,7 +222,7 @@ class _Inspector:
         unit: str = "",
         beside: tuple[str, ...] = (),
     ) -> Iterator[Section]:
-        """A table with ``use``, and the form of what it means; as TOML where that is not known."""
+        """A table with ``use``, and the form of its component; TOML if the component is not known."""
         table = found_at(self.table, at)
         cls = self.fields.class_at(at)
         use = table.get("use") if isinstance(table, dict) else None
@@ -260,7 +260,7 @@ class _Inspector:
         return section
 
     def _noises(self, at: tuple[str, ...]) -> list[str]:
-        """The noises that a chain can have: those for the ground come first there, and suit no sensor."""
+        """The noises that a chain can have; in the ground's chain its own come first, which suit no sensor."""
         own: list[str] = []
         others: list[str] = []
         for name in self.registry.names("noise"):

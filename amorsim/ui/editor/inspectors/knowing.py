@@ -148,7 +148,7 @@ def _numbered() -> Widget:
 
 
 def know_map(work: Work, path: str, choice: Any) -> None:
-    """Let a robot know another map: the world's, a file, a generated one; none for an empty choice.
+    """Give a robot another map to know: the world's, a file, a generated one; none for an empty choice.
 
     Raises
     ------
@@ -173,7 +173,7 @@ def know_map(work: Work, path: str, choice: Any) -> None:
 
 
 def know_landmarks(work: Work, path: str, choice: Any) -> None:
-    """Let a robot know landmarks: those of the world, or places of its own, which start as those of the world.
+    """Give a robot landmarks to know: the world's, or its own list, which begins as a copy of those.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Points of a scenario that lie in the world, other than where things stand: paths, goals, and where many start."""
+"""Points in the world other than poses of things: paths, goals, and areas of random starts."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ SHAPES = {"circle": 0.3, "rectangle": [0.6, 0.4], "polygon": [[-0.3, -0.3], [0.3
 
 
 class Use(TypedDict):
-    """Which component a table is, or which shape: one of `choices`."""
+    """The component or shape of a table: one of `choices`."""
 
     kind: str
     value: str

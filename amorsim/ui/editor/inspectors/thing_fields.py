@@ -1,4 +1,4 @@
-"""A thing of a document, and fields of it: each with its value and where that comes from."""
+"""A thing of a document and its fields: the value of each, and where it comes from."""
 
 from __future__ import annotations
 
@@ -71,11 +71,11 @@ class ThingFields:
         return found if isinstance(found, dict) else {}
 
     def path_of(self, at: At) -> str:
-        """The path in the document of what is at a path within the thing."""
+        """The path in the document for a path within the thing."""
         return ".".join(map(str, (*self.at, *at)))
 
     def class_at(self, at: At) -> type | None:
-        """The class of the component that a table within the thing is; None where that is not known."""
+        """The class of the component in a table within the thing; None if it is not known."""
         try:
             return component_at(self._values, (*self.at, *at), self.registry, self.folder)
         except (AmorsimError, OSError, LookupError, TypeError):
@@ -100,7 +100,7 @@ class ThingFields:
         return fields
 
     def mark(self, field: FieldForm, at: At) -> None:
-        """Say where the field's value comes from, and those of the fields within it."""
+        """Note where the field's value comes from, and where those of the fields within it come from."""
         is_own = found_at(self.own(()), at) is not MISSING
         is_said = found_at(self.table, at) is not MISSING
         field["is_given"] = is_own

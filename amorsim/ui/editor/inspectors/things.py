@@ -63,7 +63,7 @@ class Thing(TypedDict):
 
 
 def things_of(document: Document, partial: Partial, registry: Registry) -> list[Thing]:
-    """The things in a scenario's own tables, with what could be read of them."""
+    """The things in a scenario's own tables, with as much of them as could be read."""
     values, folder = document.values, document.path.absolute().parent
     found = [_thing("simulation", "settings", "simulation", "time, seed"), _thing("world", "settings", "world", "map")]
     world = values.get("world")
@@ -155,7 +155,7 @@ def _thing(path: str, kind: str, name: str, note: str) -> Thing:
 
 
 def _tables(values: Mapping[str, Any], key: str) -> list[tuple[int, dict[str, Any]]]:
-    """The tables of a list, those that are none as empty ones."""
+    """The tables of a list; an item that is not a table counts as an empty one."""
     items = values.get(key)
     found = items if isinstance(items, list) else []
     return [(number, item if isinstance(item, dict) else {}) for number, item in enumerate(found)]
@@ -174,7 +174,7 @@ def _body(
     outlines: Mapping[str, Any],
     default: str,
 ) -> Thing:
-    """A robot or an obstacle, or many of one table; `bodies` are those that no table has had yet."""
+    """A robot or an obstacle, or many of one table; `bodies` are those not yet assigned to a table."""
     thing = _thing(f"{key}.{number}", _NAMED[key], _name(table, default), "")
     name = thing["name"]
     is_series = "count" in table or "start" in table

@@ -77,7 +77,7 @@ def shape_of(text: str) -> tuple[int, int]:
 
 
 def pixels_apart(old: str, new: str) -> list[str]:
-    """By what two pictures differ, in words: nothing if they are the same."""
+    """How two pictures differ, in words; empty if they are the same."""
     before, after = shape_of(old), shape_of(new)
     if before != after:
         return [f"{sign}{rows} rows, {columns} columns" for sign, (rows, columns) in (("-", before), ("+", after))]
@@ -95,7 +95,7 @@ def pixels_apart(old: str, new: str) -> list[str]:
 
 
 def painted(text: str, spans: Any, *, is_occupied: bool) -> str:
-    """The runs with other pixels: spans ``[row, first column, one after the last]``; what lies outside is left out.
+    """The runs with other pixels: spans ``[row, first column, last column + 1]``; parts outside are left out.
 
     Raises
     ------
@@ -123,7 +123,7 @@ def painted(text: str, spans: Any, *, is_occupied: bool) -> str:
 
 
 def filled(text: str, row: int, column: int, *, is_occupied: bool) -> str:
-    """The runs with the area about a pixel filled, as far as its grey goes, over edges and not over corners.
+    """The runs with the area of one grey around a pixel filled; it spreads over edges, not over corners.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""By what the files on the disk differ from what is edited, in words for the user."""
+"""How the files on the disk differ from what is edited, in words."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["differing_lines"]
 
 
 def differing_lines(work: Work) -> list[str]:
-    """A patch from the files to what is edited; of a bitmap, which pixels differ."""
+    """A patch from the files to what is edited; for a bitmap, the pixels that differ."""
     found: list[str] = []
     for name, text in work.texts.items():
         path = Path(name) if name else work.path

@@ -29,7 +29,7 @@ class FilesError(AmorsimError):
 
 @attrs.define(kw_only=True)
 class FileText:
-    """The text of a file, and what is in the file: None where there is none yet.
+    """The edited text of a file, and the text on the disk: None if there is none yet.
 
     `empty` is the file's text before its first change.
     """
@@ -75,7 +75,7 @@ def read_file(path: Path, world: Mapping[str, Any]) -> FileText:
 
 
 class Files:
-    """The texts of files by their paths, as far as they have been read.
+    """The texts of files by path, as far as they have been read.
 
     Attributes
     ----------
@@ -97,7 +97,7 @@ class Files:
         return self._held[path]
 
     def read(self, path: Path, world: Mapping[str, Any]) -> FileText:
-        """The text of a file, which is read if that has not been done; raises as `read_file`."""
+        """The text of a file, read now if that was not done before; raises as `read_file`."""
         if path not in self._held:
             self._held[path] = read_file(path, world)
             self.stamps |= stamps_of([path])  # also of one that is not there: it may come back with its own content
@@ -113,7 +113,7 @@ class Files:
         self.stamps.pop(path, None)
 
     def clear(self) -> None:
-        """Hold nothing."""
+        """Forget all texts."""
         self._held.clear()
 
     @property
@@ -145,7 +145,7 @@ class Files:
         self.stamps |= stamps_of([path])
 
     def move(self, places: Mapping[Path, Path], *, written: Container[Path]) -> None:
-        """Hold the files at their new places, and no others; those `written` there are saved."""
+        """Keep the files under their new paths and forget all others; those `written` there count as saved."""
         self._held = {
             new: attrs.evolve(self._held[old], saved=self._held[old].text if old in written else None)
             for old, new in places.items()
@@ -154,7 +154,7 @@ class Files:
         self.stamps = stamps_of(path for path, held in self._held.items() if held.saved is not None)
 
     def place(self, path: Path, folder: Path) -> Path:
-        """Where a file lies as it is edited: in a folder of its own in `folder`, with what a program imports there.
+        """The path of a copy of a file as edited: in a folder of its own in `folder`, with what a program imports.
 
         A file that is on the disk as it is edited, with all that it imports, stays where it is.
         """

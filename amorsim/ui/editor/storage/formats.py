@@ -15,7 +15,7 @@ MOST_LISTED = 200  # files of a folder that are listed
 
 
 def map_files(folder: Path, registry: Registry) -> list[str]:
-    """The files of a folder that a loader of maps may know."""
+    """The files of a folder that may be maps."""
     endings = {ending for name in registry.names("map_loader") for ending in _endings(name, registry)}
     return [path.name for path in sorted(folder.glob("*")) if path.suffix.lower() in endings][:MOST_LISTED]
 

@@ -24,7 +24,7 @@ __all__ = ["picture_of", "save_model", "write_world"]
 
 
 def write_world(world: Map | None, target: Path, *, is_trial: bool, force: bool, registry: Registry) -> dict[str, Any]:
-    """Write the world into a file, or only try it; what is lost in words, and the options with which it is read.
+    """Write the world into a file, or only try; returns what is lost, in words, and the options to read it with.
 
     Raises
     ------
@@ -79,7 +79,7 @@ def picture_of(world: Map | None, kind: str, title: str, registry: Registry) -> 
 
 
 def save_model(partial: Partial, thing: Thing, sensor: str, target: Path, parent: str, registry: Registry) -> str:
-    """Write a robot as a model, or one of its sensors as a device, with what differs from its parent alone.
+    """Write a robot as a model, or one of its sensors as a device: only what differs from its parent.
 
     Raises
     ------

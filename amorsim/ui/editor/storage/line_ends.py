@@ -27,7 +27,7 @@ def with_line_ends(typed: str, before: str) -> str:
 
 
 def _lines(text: str) -> list[tuple[str, str]]:
-    """The words of each line, and its end: none of the last line where that has none."""
+    """The words of each line, and its line end; the last may have none."""
     whole = io.StringIO(text, newline="")
     return [(words := line.rstrip("\r\n"), line[len(words) :]) for line in whole]
 

@@ -153,7 +153,7 @@ class Projects:
         return str(place_for(work.folder, name, ".toml"))
 
     def _maps(self) -> list[str]:
-        """Files of the project that a loader may know."""
+        """Files of the project that may be maps."""
         return map_files(self._session.work.folder, default_registry())
 
     def _zip(self) -> str:

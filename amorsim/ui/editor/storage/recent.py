@@ -29,7 +29,7 @@ def recent_files(state: Path) -> list[str]:
 
 
 def remember(state: Path, path: Path) -> None:
-    """Put a file first; does nothing if that cannot be written."""
+    """Put a file first in the list; does nothing if the list cannot be written."""
     name = str(path.absolute())
     names = [name, *(other for other in recent_files(state) if other != name)][:MOST]
     with contextlib.suppress(OSError):

@@ -38,12 +38,12 @@ class WorldMap:
         self._refused: dict[Path, str] = {}  # bitmaps that cannot be painted on, and why, since they were read
 
     def forget(self) -> None:
-        """Look at files again, which may have been changed."""
+        """Read files anew when they are needed, since they may have changed."""
         self._refused.clear()
 
     @property
     def table(self) -> dict[str, Any] | None:
-        """The table of the world, or None where it names no map."""
+        """The table of the world; None if it names no map."""
         try:
             table = self._work.document.get("world")
         except DocumentError:
@@ -52,7 +52,7 @@ class WorldMap:
 
     @property
     def file(self) -> Path | None:
-        """The file of the map, or None where none is named."""
+        """The file of the map; None if it names no file."""
         table = self.table
         return None if table is None else Path(self._work.here / table["map"])
 
@@ -67,7 +67,7 @@ class WorldMap:
 
     @property
     def walls_fixed(self) -> str:
-        """Why walls cannot be changed, or nothing."""
+        """Why walls cannot be changed; empty if they can."""
         if self._is_generated:
             return "the world is generated; make its walls a file first, and draw in that"
         try:
@@ -138,7 +138,7 @@ class WorldMap:
 
     @property
     def paint_fixed(self) -> str:
-        """Why the map cannot be painted on, or nothing."""
+        """Why the map cannot be painted on; empty if it can."""
         table, path = self.table, self.file
         if table is None or path is None or path.suffix.lower() not in SUFFIXES:
             return "the world is no bitmap; save it as .png to paint on it"

@@ -33,7 +33,7 @@ _UPPER = np.array([0, 1, 2, 4, 5, 8])  # of a 3 x 3 matrix, row by row
 
 
 class Before(NamedTuple):
-    """Values of the step before a frame, of the robots that are looked at: velocities come from two positions."""
+    """Values of the step before a frame, for the selected robots: velocities are found from two positions."""
 
     tick: int
     estimated: Array  # (R, 3)
@@ -78,7 +78,7 @@ def look_back(simulation: Simulation, robots: Iterable[int]) -> Before:
 
 
 def selected_of(simulation: Simulation, robots: Iterable[int], before: Before | None) -> dict[int, Selected]:
-    """All of each robot; values that need the step before are 0 at the start, and nan where they are not known."""
+    """All values of each robot; those that need the step before are 0 at the start, and nan where unknown."""
     find, pose = _places(simulation), simulation.estimated_pose
     return {robot: _selected(simulation, robot, *find(robot), pose[robot : robot + 1], before) for robot in robots}
 
@@ -127,7 +127,7 @@ def _with_beliefs(simulation: Simulation, robot: int, selected: Selected) -> Sel
 
 
 def with_beliefs(selected: Selected, found_beliefs: Mapping[str, Mapping[str, npt.NDArray[Any]]], row: int) -> Selected:
-    """With the particles and hypotheses of a row of the first estimator's beliefs that have any."""
+    """Adds the particles and hypotheses in a row of the first estimator whose beliefs have any."""
     for beliefs in found_beliefs.values():
         if "particles" in beliefs and "weights" in beliefs:
             table = np.column_stack((beliefs["particles"][row], beliefs["weights"][row]))
@@ -149,7 +149,7 @@ def moments_of(
     obstacles: list[str],
     poses: Array | None,
 ) -> list[Dynamic]:
-    """The simulation as it is, for those who look at each of these robots; what its player knows is still to come.
+    """The present moment, for each selected robot; what the player adds is still missing.
 
     Parameters
     ----------

@@ -116,7 +116,7 @@ def _of_row(beliefs: Beliefs, name: str, row: int) -> npt.NDArray[Any]:
 
 
 def ahead(drive: Drive, measured: Iterable[tuple[Sensor, Array]], rows: int, row: int, estimated: Array) -> Array:
-    """The estimated pose `(3,)` of a row with the heading in which its drive goes ahead, by the joints as measured.
+    """The estimated pose `(3,)` of a row, with the heading in which its drive goes ahead by the measured joints.
 
     `measured` are sensors with their readings `(N, values)`, in order.
     """
@@ -132,13 +132,13 @@ def ahead(drive: Drive, measured: Iterable[tuple[Sensor, Array]], rows: int, row
 
 
 def _known(places: Array, decimals: int = 3) -> list[list[float]]:
-    """Those lines that have numbers, to a millimetre."""
+    """The lines that have numbers, rounded to a millimetre."""
     places = places[np.isfinite(places).all(axis=-1)]
     return [[round(value, decimals) for value in line] for line in places.tolist()]
 
 
 def _arcs(arcs: Array, twist: Array, pose: Array, seconds: float) -> list[IntendedArc]:
-    """The arcs `(S, T, 3)` of a dynamic window that its drive can have, the one taken last."""
+    """The arcs `(S, T, 3)` of a dynamic window that the drive can follow; the chosen one is last."""
     arcs = arcs.reshape(-1, 3)
     arcs = arcs[np.isfinite(arcs[:, :2]).all(axis=1)]
     worth = _worths(arcs[:, 2])
@@ -152,7 +152,7 @@ def _arcs(arcs: Array, twist: Array, pose: Array, seconds: float) -> list[Intend
 
 
 def _worths(costs: Array) -> Array:
-    """1 for the least cost, 0 for the largest, -1 for what was refused."""
+    """The worth of each cost: 1 for the least, 0 for the largest, -1 for what was refused."""
     known = np.isfinite(costs)
     worths = np.full(len(costs), -1.0)
     if known.any():
@@ -189,7 +189,7 @@ def _along(twists: Array, step: float, pose: Array) -> Array:
 
 
 def _velocities(beliefs: Mapping[str, Array], row: int, speed: float) -> IntendedVelocities:
-    """The others that a robot knows of, and the velocities that lead into them."""
+    """The other bodies that a robot knows of, and the velocities that would lead into them."""
     twist = _of_row(beliefs, "twist", row)
     return {
         "speed": speed,

@@ -49,12 +49,12 @@ def mapped_in(found_beliefs: Mapping[str, Mapping[str, npt.NDArray[Any]]], row: 
 
 
 def _known(rows: Array) -> list[list[float]]:
-    """Those rows that have numbers, to a millimetre."""
+    """The rows that have numbers, rounded to a millimetre."""
     return [[round(value, 3) for value in row] for row in rows[np.isfinite(rows).all(axis=1)].tolist()]
 
 
 def _map(probability: Array, origin: Array, side: float) -> MappedCells:
-    """Where a map lies, and a picture of the part that was seen: the more probable a wall, the more opaque."""
+    """The pose of a map, and a picture of the part that was seen: the more probable a wall, the more opaque."""
     rows, cols = (np.flatnonzero(np.isfinite(probability).any(axis=axis)) for axis in (1, 0))
     if not len(rows):
         return {"extent": [0.0, 0.0, 0.0, 0.0], "png": ""}

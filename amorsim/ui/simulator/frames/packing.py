@@ -1,4 +1,4 @@
-"""Frames: the bytes in which a moment goes from the child to the session, and from there to each window.
+"""Frames: moments as bytes, from the child to the session and on to each window.
 
 The child packs a **bundle**: what all frames share, and in addition what belongs to one robot, for each robot that
 a window looks at. Of that the session makes each window's **frame**, which is about one robot.
@@ -93,7 +93,7 @@ _ROBOT = [field for field, _ in HEADER].index("selected")  # sizes of its values
 
 
 class FrameFlag(enum.IntFlag):
-    """How the simulation stands in a frame."""
+    """The state of the simulation in a frame."""
 
     RUNNING = 1
     ENDED = 2  # the scenario's duration is over
@@ -105,7 +105,7 @@ class FrameFlag(enum.IntFlag):
 
 
 class RobotFlag(enum.IntFlag):
-    """How a robot stands in a frame."""
+    """The state of a robot in a frame."""
 
     TOUCHING = 1
     ENDED = 2  # its controller has ended
@@ -129,7 +129,7 @@ class Selected(NamedTuple):
 
 
 class Dynamic(NamedTuple):
-    """A moment: what `pack_frame` makes a frame of."""
+    """A moment, from which `pack_frame` makes a frame."""
 
     version: int
     number: int
@@ -237,14 +237,14 @@ _NOTHING = Selected(*(np.full(size, np.nan) for size in (0, 0, 0, 0, 0, 3, 3, 0,
 
 
 def pack_bundle(moments: Sequence[Dynamic]) -> bytes:
-    """The bytes of one moment as seen by those who look at different robots: `moments` differ in nothing else."""
+    """The bytes of one moment for several selected robots; `moments` differ only in which robot is selected."""
     heads = [_head(moment) for moment in moments]
     index = b"".join(_HEAD.pack(moment.selected_robot, len(head)) for moment, head in zip(moments, heads, strict=True))
     return _BUNDLE_HEADER.pack(_BUNDLE_MAGIC, len(heads)) + index + b"".join(heads) + _tail(moments[0])
 
 
 class Bundle:
-    """The result of `pack_bundle`, from which frames are made without looking into it further.
+    """The bytes of `pack_bundle`, from which frames are made without decoding them further.
 
     Raises
     ------
@@ -278,14 +278,14 @@ class Bundle:
         return list(self._heads)
 
     def frame(self, robot: int, number: int, flags: int | None = None) -> bytes | None:
-        """The frame for who looks at a robot, with this number, and with other flags where given; None without it."""
+        """The frame with this number in which a robot is selected, with other flags if given; None if it has none."""
         head = self._heads.get(robot)
         if head is None:
             return None
         return _changed(head, number, self.flags if flags is None else flags) + self._tail
 
     def bare_frame(self, robot: int, number: int, flags: int) -> bytes:
-        """A frame that contains of the robot no more than of all others."""
+        """A frame in which no robot is selected: each has what all have."""
         fields = list(FRAME_HEADER.unpack_from(next(iter(self._heads.values()))))
         fields[_ROBOT : _ROBOT + 5] = (robot, 0, 0, 0, 0)
         fields[-3:] = (0, 0, 0)  # parts, particles, hypotheses

@@ -144,7 +144,7 @@ class IntendedArc(TypedDict):
 
 
 class IntendedVelocities(TypedDict):
-    """The others that a controller knows of, and the velocities that lead into them, in the robot's frame.
+    """The bodies that a controller knows of, and the velocities that lead into them, in the robot's frame.
 
     `others` are x, y [m], vx, vy [m/s] and radius [m] of each. `borders` are of half-planes of velocities: a point and
     a direction, what is permitted to its left. `cones` are of velocities that lead into another: apex, and the
@@ -178,7 +178,7 @@ class Intended(TypedDict):
 
 
 class State(TypedDict):
-    """How the simulation stands."""
+    """The state of the simulation."""
 
     ok: bool
     version: int

@@ -1,4 +1,4 @@
-"""The scene of a simulation: what stays as it is while it runs, as a window draws it."""
+"""The scene of a simulation: what a window draws and does not change while it runs."""
 
 from __future__ import annotations
 

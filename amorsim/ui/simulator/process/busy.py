@@ -1,4 +1,4 @@
-"""The work of the thread that simulates: for how long it lasts, in whose controller, and how it is broken off."""
+"""The work of the simulating thread: how long it has lasted, whose controller it is in, and how to interrupt it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Interrupted(BaseException):
 
 
 class Busy:
-    """The main thread's present work; other threads look at it."""
+    """The present work of the main thread, for other threads to look at."""
 
     def __init__(self) -> None:
         self._thread = threading.main_thread().ident or 0
@@ -31,7 +31,7 @@ class Busy:
         self._in_step = False
 
     def begin(self, *, in_step: bool = True) -> None:
-        """Begin with a step or a command, in which a controller may be; or with what no controller is part of."""
+        """Begin a step or a command: one that may run a controller, or one that does not."""
         self._since, self._in_step = time.monotonic(), in_step
 
     def end(self) -> None:
@@ -39,7 +39,7 @@ class Busy:
         self._since, self._in_step = None, False
 
     def sign_of_life(self, patience: float) -> dict[str, Any]:
-        """How long it has been busy; after `patience` [s] also whose controller holds it up, and where."""
+        """How long the thread has been busy; after `patience` [s] also whose controller blocks it, and where."""
         since = self._since
         held = 0.0 if since is None else time.monotonic() - since
         found: dict[str, Any] = {"held": held}
@@ -60,7 +60,7 @@ class Busy:
         return frame, traceback.extract_stack(frame) if frame is not None else traceback.StackSummary()
 
     def _where(self) -> dict[str, Any]:
-        """Which controller holds up the thread, and where."""
+        """Whose controller blocks the thread, and at which line."""
         frame, stack = self._stack()
         # A kernel that is met for the first time (at a first contact ...) is compiled: that takes its time, and ends.
         lines = [] if is_compiling(stack) else users_lines(stack)

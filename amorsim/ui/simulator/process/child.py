@@ -261,14 +261,14 @@ class Child:
             does.is_running, does.has_ended = False, True
 
     def _expect_original(self) -> None:
-        """End this process if it is a copy that a controller has forked: its session hears the first one."""
+        """End this process if a controller has forked it: its session listens to the original alone."""
         if os.getpid() != self._process:
             sys.stderr.write("a controller or plugin forked the process that simulates; the copy ends here\n")
             sys.stderr.flush()
             os._exit(1)
 
     def _carry(self) -> None:
-        """Let the session have a snapshot for a child after this one, or know why it has none."""
+        """Send the session a snapshot from which another child can go on, or why there is none."""
         carried = None if self._player is None else self._player.carry(self._carrier)
         if carried is not None:
             self._writer.send({"push": "tick", "tick": carried.tick})
@@ -298,7 +298,7 @@ class Child:
         return ""
 
     def _tell_inputs(self) -> None:
-        """Let the session know what was given, for a child after this one."""
+        """Send the session the inputs so far, from which another child can go on."""
         if self._player is None:
             return
         if self._player.epoch != self._epoch:  # what was carried is of another course of events
@@ -319,7 +319,7 @@ class Child:
         return self._is_wanted and time.monotonic() - self._last_frame >= LEAST_BETWEEN_FRAMES
 
     def _show(self) -> None:
-        """Send a frame if the session has none that is as new, and has waited long enough since the last."""
+        """Send a frame if the session has an older one and enough time has passed since the last."""
         if self._changed and self._is_frame_due():
             # Before the frame is made: what is wanted, or changes, meanwhile asks for another.
             self._changed = self._is_wanted = False
@@ -335,12 +335,12 @@ class Child:
             self._writer.send_frame(pack_bundle(moments))
 
     def close(self) -> None:
-        """Write what waits."""
+        """Write what is still to be written."""
         self._writer.close()
 
 
 def main() -> None:
-    """Read what to simulate as the first message, and do it."""
+    """Read the first message, which names what to simulate, and simulate it."""
     # Ctrl-C is for the session, which ends this process in order.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     orders = os.fdopen(os.dup(0), "rb", buffering=0)

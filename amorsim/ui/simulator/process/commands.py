@@ -152,7 +152,7 @@ class Commands(Watching):
         self._give("command", self.robot_of(command), [float(part) for part in channels])
 
     def _stop(self, command: Table) -> None:
-        """Let robots stand: what is stopped when a window loses the keyboard, or is gone."""
+        """Stop robots that are driven by hand: the window lost the keyboard, or was closed."""
         if self.player.is_past:
             return
         simulation = self.player.simulation
@@ -238,7 +238,7 @@ class Commands(Watching):
         return {"inputs": inputs, "tick": player.newest, "digest": digest}
 
     def _write_scenario(self, command: Table) -> None:
-        """Write the scenario with what was changed into `file`, which the session has looked at."""
+        """Write the scenario with its changes into `file`, a path that the session has checked."""
         save_scenario(self.player.simulation, Path(str(command["file"])), changes=self._changes, passing=self._passing)
 
 

@@ -12,7 +12,7 @@ __all__ = ["Fault", "fault_of"]
 
 @attrs.frozen(kw_only=True)
 class Fault:
-    """The fault of a step: whose controller it was, if it was one, and the lines that led to it."""
+    """A fault in a step: whose controller caused it, if one did, and the lines that led to it."""
 
     robots: tuple[str, ...]
     text: str

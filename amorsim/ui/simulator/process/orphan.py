@@ -17,7 +17,7 @@ _has_session = threading.Event()
 
 
 def leave_with_the_session() -> None:
-    """From now on end at once when the other end of standard input is closed, until `stay`."""
+    """End this process as soon as the other end of standard input is closed, until `stay` is called."""
     _has_session.set()
     if hasattr(select, "poll"):  # not on Windows
         threading.Thread(target=_watch, name="amorsim-orphan", daemon=True).start()

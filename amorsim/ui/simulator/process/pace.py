@@ -1,4 +1,4 @@
-"""How fast a simulation goes against the clock on the wall."""
+"""The speed of a simulation relative to real time."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ LARGEST = 1 << 30
 
 
 def python_for(module: str) -> list[str]:
-    """The command that runs `main` of a module in another process, which finds modules where this one does.
+    """The command that runs `main` of a module in another process with the same import paths.
 
     While the module is loaded the process ends with its standard input; `main` is to `stay` (see
     `amorsim.ui.simulator.process.orphan`) and to read that.
@@ -31,7 +31,7 @@ def python_for(module: str) -> list[str]:
 
 
 def read_message(pipe: IO[bytes]) -> tuple[bytes, bytes] | None:
-    """The next message's kind and bytes; none at the end, also where it comes in the middle of a message."""
+    """The kind and bytes of the next message; None at the end, also if it is in the middle of a message."""
     head = _read(pipe, _HEAD.size)
     if head is None:
         return None
@@ -91,6 +91,6 @@ class Writer:
                 return
 
     def close(self, timeout: float = 1.0) -> None:
-        """Write what waits, for so long [s]."""
+        """Write the remaining messages, for at most so long [s]."""
         self._waiting.put(None)
         self._thread.join(timeout)

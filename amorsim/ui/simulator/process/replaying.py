@@ -30,7 +30,7 @@ class Replaying(Watching):
         return self._recording.picture(name)
 
     def state(self) -> State:
-        """How it stands, and what is wrong with the files."""
+        """Its state, and what is wrong with the files."""
         damage = self._recording.damage
         return {**super().state(), "damage": damage} if damage else super().state()
 

@@ -1,4 +1,4 @@
-"""What a thread's stack shows: whether kernels are being compiled, and whose controller it is in."""
+"""What a thread's stack shows: whether kernels are being compiled, and which robot's controller runs."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def is_compiling(stack: traceback.StackSummary, *, reading_counts: bool = True) 
 
 
 def robot_of(frame: FrameType | None) -> str:
-    """The robot whose controller a stack is in, as far as `UserController` is in it."""
+    """The robot whose controller runs in a stack, if `UserController` is in it."""
     from amorsim.controllers.user import UserController
 
     while frame is not None:

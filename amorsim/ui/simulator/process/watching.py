@@ -25,7 +25,7 @@ MOST_STEPS_AT_ONCE = 1000
 
 
 class Watching(abc.ABC):
-    """Carries out commands that look at a source or move in its time, and knows whether it is played.
+    """Carries out commands that look at a source or move in its time; keeps whether it plays.
 
     `is_ending` is asked whether to leave off.
     """
@@ -79,7 +79,7 @@ class Watching(abc.ABC):
     # ------------------------------------------------------------------------------------------------------- arguments
 
     def robot_of(self, command: Table) -> str:
-        """The name of the robot that a command means."""
+        """The name of the robot that a command is for."""
         names = self.source.names
         robot = command.get("robot")
         if isinstance(robot, int) and not isinstance(robot, bool) and 0 <= robot < len(names):
@@ -110,7 +110,7 @@ class Watching(abc.ABC):
         return dict(self.state())
 
     def state(self) -> State:
-        """How it stands."""
+        """Its state."""
         source = self.source
         faults = [line for line in source.remarks if line["kind"] == "fault"]
         return {
@@ -131,7 +131,7 @@ class Watching(abc.ABC):
 
     @property
     def status(self) -> str:
-        """How it stands, in a word of the protocol."""
+        """Its state, in a word of the protocol."""
         if self.source.fault is not None:
             return "fault"
         if self.is_running:

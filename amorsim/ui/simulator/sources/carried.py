@@ -63,7 +63,7 @@ class Carrier:
         return not self.reason and time.monotonic() >= self._due
 
     def take(self, simulation: Simulation, tick: int, stride: int, paths: npt.NDArray[np.float32]) -> Carried | None:
-        """Take one; none where it cannot be carried, for the `reason` that is then kept."""
+        """Take a snapshot to be sent; None if it cannot be sent, with the `reason`."""
         began = time.monotonic()
         while paths.nbytes > MOST_BYTES_OF_PATHS and len(paths) > 2:
             paths, stride = paths[::2], 2 * stride

@@ -52,7 +52,7 @@ class Input:
 
 
 class Inputs:
-    """Inputs in the order in which they were given, whose ticks never fall."""
+    """Inputs in the order in which they were given; their ticks never decrease."""
 
     def __init__(self, given: Iterable[Input] = ()) -> None:
         self._given = list(given)
@@ -78,7 +78,7 @@ class Inputs:
             self._given.append(new)
 
     def cut(self, tick: int) -> None:
-        """Forget what was given after `tick`."""
+        """Forget the inputs after `tick`."""
         self._given = [one for one in self._given if one.tick <= tick]
         self._reported = min(self._reported, len(self._given))
 
@@ -88,7 +88,7 @@ class Inputs:
         return first, self._given[first:]
 
     def replay(self, simulation: Simulation, tick: int) -> Iterable[int]:
-        """Step a simulation on to `tick`, giving it what it was given, at `tick` too; yields each tick it reached.
+        """Step a simulation to `tick` with the inputs up to and at that tick; yields each tick that it reached.
 
         The simulation must not have been given anything at its present tick yet.
         """

@@ -1,4 +1,4 @@
-"""The parameters that were set while a simulation ran, which outlast a reset."""
+"""The parameters that were set while a simulation ran; a reset keeps them."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Changes:
         return changes
 
     def note(self, new: Input) -> None:
-        """Keep what an input sets, in place of values inside it: a chain or an error comes with all its numbers."""
+        """Keep what an input sets, in place of earlier values inside it: a chain or an error has all its numbers."""
         if new.do != "set":
             return
         within = f"{new.path}."

@@ -32,7 +32,7 @@ class Pasts:
         self._few = range(len(simulation.names)) if len(simulation.names) <= FEW else ()
 
     def of_whom(self, watched: Sequence[int]) -> tuple[int, ...]:
-        """The robots whose past is kept while some are looked at."""
+        """The robots whose past is kept, given those that are selected."""
         return tuple(sorted({*self._few, *watched}))
 
     def keep(self, simulation: Simulation, watched: Sequence[int], before: Before | None) -> None:
@@ -69,7 +69,7 @@ def past_of(ticks: list[int], lines: Array) -> Past:
 
 
 class Places:
-    """Which of a robot's values are plotted, by each sensor's count of values and columns."""
+    """The indices of a robot's plotted values, for each sensor's number of values and columns."""
 
     def __init__(self, sensors: Iterable[tuple[int, int]]) -> None:
         first: list[int] = []
@@ -101,7 +101,7 @@ class Places:
 
 
 class _Robot:
-    """Moments of one robot: ticks, and a line of numbers for each (see `Past`)."""
+    """The moments of one robot: ticks, and a row of numbers for each (see `Past`)."""
 
     def __init__(self, places: Places) -> None:
         self._places = places
@@ -138,7 +138,7 @@ class _Robot:
 
 
 def _places(simulation: Simulation, robot: int) -> Places:
-    """Which of a robot's values are plotted."""
+    """The indices of a robot's plotted values."""
     name = simulation.names[robot]
     frame = next(frame for frame in simulation.frames() if name in frame.names)
     return Places(

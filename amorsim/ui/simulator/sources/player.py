@@ -125,12 +125,12 @@ class Player(Simulated):
         self._before = look_back(self.simulation, self.pasts.of_whom(self.watched))
 
     def _write(self) -> None:
-        """Write the step down; what can no longer be written does not hold up the simulation."""
+        """Write the step into the run's folder; if that fails, the simulation goes on."""
         if reason := self._writing.keep():
             self.remark("fault", f"the run is no longer written: {reason}")
 
     def fail(self, fault: Fault) -> None:
-        """Wait for a hand, at the state before the step that failed, for it may have been half made.
+        """Pause at the state before the step that failed, since the step may be half done.
 
         Where no state can be kept, the robots go on from the half of it.
         """
@@ -141,7 +141,7 @@ class Player(Simulated):
         self.remark("fault", fault.text, robot=", ".join(fault.robots), stack=fault.stack)
 
     def forgive(self) -> None:
-        """Try the step that failed once more when the simulation goes on."""
+        """Try the failed step once more when the simulation goes on."""
         self.fault = None
 
     def _expect_present(self) -> None:
@@ -326,7 +326,7 @@ class Player(Simulated):
         self.paths.put(carried.paths, carried.stride, carried.tick)
 
     def carry(self, carrier: Carrier) -> Carried | None:
-        """The present for another process to go on from, before anything is given to it; none where that cannot be."""
+        """The present state, before any new input, for another process to go on from; None where that cannot be."""
         if self._writing.folder is not None:
             carrier.reason = "the run is written as it goes"
             return None

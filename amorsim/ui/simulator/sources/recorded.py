@@ -111,7 +111,7 @@ class RecordedFiles:
     def _bodies(
         self, name: str, tick: int, key: str, columns: Sequence[str], only: str | None = None
     ) -> dict[str, Array]:
-        """Numbers of a file's columns at a tick, by what stands in the column `key`: all, or those of `only`."""
+        """Columns of a file at a tick, by the name in the column `key`: for all names, or for those of `only`."""
         file = self._file(name)
         if file is None or not {key, *columns} <= set(file.columns):
             return {}
@@ -138,7 +138,7 @@ class RecordedFiles:
         return self._bodies(f"estimates/{estimator}", tick, "robot", _COVARIANCE, only)
 
     def obstacles(self, tick: int) -> dict[str, Array]:
-        """True poses `(3,)` by obstacle; those that do not move have lines at the start alone."""
+        """True poses `(3,)` by obstacle; those that do not move have rows at the start alone."""
         return self._bodies("obstacles", tick, "obstacle", _POSE)
 
     def parts(self, tick: int) -> dict[str, Array]:
@@ -208,7 +208,7 @@ class RecordedFiles:
 
     @functools.cached_property
     def believers(self) -> list[str]:
-        """The names of those whose beliefs were written."""
+        """The names of estimators and controllers whose beliefs were written."""
         return sorted({path.stem for path in (self._folder / "beliefs").glob("*") if not path.name.startswith(".")})
 
     def _small_beliefs(self, name: str, tick: int, robot: str) -> dict[str, npt.NDArray[Any]]:

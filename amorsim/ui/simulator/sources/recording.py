@@ -81,7 +81,7 @@ class Recording(Source):
             raise
 
     def _note(self, problem: str) -> None:
-        """Keep a problem, which the page shows once."""
+        """Keep a problem, for the page to show once."""
         self._problems.append(problem)
         self.remark("fault", problem)
 
@@ -114,7 +114,7 @@ class Recording(Source):
 
     @property
     def damage(self) -> str:
-        """The first problem that was met in its files; empty if there was none."""
+        """The first problem found in its files; empty if there was none."""
         more = len(self._problems) - 1
         return "" if more < 0 else self._problems[0] + (f" (and {more} more, among the events)" if more else "")
 
@@ -188,7 +188,7 @@ class Recording(Source):
 
     @contextlib.contextmanager
     def _noting(self) -> Iterator[None]:
-        """Notes a problem of one line, and goes on."""
+        """A block in which a problem is noted in a line, and work goes on."""
         try:
             yield
         except RunError as error:
@@ -272,7 +272,7 @@ class Recording(Source):
         return np.array([found.get(name, nothing) for name in self.names]).reshape(-1, width)
 
     def _covariances(self, tick: int) -> Array:
-        """Of the estimator whose pose each robot's controller was given."""
+        """The covariances of the estimator whose pose each robot's controller was given."""
         first = {name: next(iter(self._estimators(name)), "none") for name in self.names}
         found = {estimator: self._files.covariances(estimator, tick) for estimator in dict.fromkeys(first.values())}
         return self._stacked({name: found[first[name]][name] for name in self.names if name in found[first[name]]}, 6)

@@ -1,4 +1,4 @@
-"""A simulation and what is kept of its past, as they are looked at."""
+"""A simulation and its recorded past, as windows look at them."""
 
 from __future__ import annotations
 
@@ -70,12 +70,12 @@ class Simulated(Source):
 
     @property
     def last(self) -> int:
-        """The tick at which the scenario's duration is over."""
+        """The tick at the end of the scenario's duration."""
         return self.simulation.steps_of(self.simulation.scenario.duration)
 
     @property
     def is_exact(self) -> bool:
-        """Whether what is shown of the past is where the robots were; not if a controller did otherwise this time."""
+        """Whether the shown past is exactly what happened; not if a controller acted in another way this time."""
         kept_at, kept = self.paths.at(self.tick)
         if not self._is_past or self.poses_only is not None or kept_at != self.tick:
             return True
@@ -84,7 +84,7 @@ class Simulated(Source):
 
     @property
     def reason(self) -> str:
-        """Why one cannot go on from a moment of the past, or nothing."""
+        """Why the simulation cannot go on from the shown moment of the past; empty if it can."""
         if self.snapshots.reason:
             return self.snapshots.reason
         if not self.is_exact:
@@ -124,5 +124,5 @@ class Simulated(Source):
         return mapped_of(self.simulation, robot)
 
     def intended(self, robot: str) -> Intended:
-        """The intentions of a robot's controller in the last step; none for a moment with poses only."""
+        """The intentions of a robot's controller in the last step; None for a moment of which only poses are kept."""
         return intended_of(self.simulation, robot, is_known=self.poses_only is None)

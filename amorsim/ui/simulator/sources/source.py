@@ -21,7 +21,7 @@ __all__ = ["Source", "Track"]
 
 
 class Track(NamedTuple):
-    """The past of a robot: ticks, true and estimated poses side by side `(n, 6)`, and what else plots show of it."""
+    """The past of a robot: ticks, true and estimated poses side by side `(n, 6)`, and other plotted values."""
 
     ticks: list[int]
     poses: npt.NDArray[np.float64]
@@ -96,7 +96,7 @@ class Source(abc.ABC):
 
     @property
     def reason(self) -> str:
-        """Why no other course of events can begin at the moment that is shown; empty if one can."""
+        """Why no other future can begin at the shown moment; empty if one can."""
         return ""
 
     @property
@@ -179,5 +179,5 @@ class Source(abc.ABC):
         return len(self.happened) + len(self._story)
 
     def events(self) -> list[EventLine]:
-        """All that happened, in the order in which it became known: what is new comes last."""
+        """All events in the order in which they became known: new ones come last."""
         return self._story.lines(self.happened)

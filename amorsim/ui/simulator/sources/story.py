@@ -13,7 +13,7 @@ __all__ = ["Story", "line_of"]
 def line_of(
     tick: int, time: float, kind: str, text: str, robot: str, point: tuple[float, float] | None = None
 ) -> EventLine:
-    """A line without a number: of a tick, whose time is in s, and where there is one of a point [m] in the world."""
+    """A line of the list of events, without its number: its time [s], its words, and its place [m] if it has one."""
     return {
         "number": 0,
         "tick": tick,
@@ -55,7 +55,7 @@ class Story:
         return other
 
     def cut(self, tick: int, events: int) -> None:
-        """Forget what came after `tick`, at which there were `events` events."""
+        """Forget what came after `tick`, up to which there were `events` events."""
         self._lines = [(min(before, events), line) for before, line in self._lines if line["tick"] <= tick]
 
     def lines(self, events: Sequence[Event]) -> list[EventLine]:
@@ -76,7 +76,7 @@ class Story:
 
 
 def _is_mirrored(one: Event, next_one: Event) -> bool:
-    """Whether two events in a row are a contact of two bodies, each with the other."""
+    """Whether two successive events are one contact of two bodies, seen from each of them."""
     here = (one.tick, one.point, one.name, one.part, one.other)
     there = (next_one.tick, next_one.point, next_one.other, next_one.other_part, next_one.name)
     return one.kind == next_one.kind == "collision" and here == there

@@ -71,7 +71,7 @@ class Paths:
         return self._kept[: self._count]
 
     def put(self, kept: npt.NDArray[np.float32], stride: int, newest: int) -> None:
-        """Take what another kept, up to a tick."""
+        """Take the poses that another one kept, up to a tick."""
         self._kept, self._count = kept.copy(), len(kept)
         self.stride, self.newest = stride, newest
 
@@ -95,7 +95,7 @@ class Paths:
 
 
 class Snapshots:
-    """Snapshots by tick, further apart the longer a simulation runs; or the reason why there are none.
+    """Snapshots by tick, at distances that grow as a simulation runs; or the reason why there are none.
 
     They begin at the tick `first`.
     """

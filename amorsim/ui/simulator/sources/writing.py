@@ -40,7 +40,7 @@ class Writing:
         self._recording = RunSession(simulation, next_folder(self._out) if is_taken else self._out)
 
     def keep(self) -> str:
-        """Write a step down; why nothing is written any more, where that has just become so."""
+        """Write a step; returns why writing has just ended, if it has."""
         recording = self._recording
         if recording is None:
             return ""

@@ -113,7 +113,7 @@ export const BLOCKS = [
  */
 
 /**
- * How readings are drawn; `style` is always there, and of the rest what that style needs.
+ * How readings are drawn; `style` is always there, and of the other keys those that the style needs.
  * @typedef {object} Drawing
  * @property {string} [style]
  * @property {number} [half_angle]
@@ -125,7 +125,7 @@ export const BLOCKS = [
  */
 
 /**
- * The things in the world besides walls and bodies; robots may know of them or not.
+ * Things in the world other than walls and bodies; robots may know of them or not.
  * @typedef {object} Floor
  * @property {number[][]} landmarks
  * @property {number[][]} lights
@@ -142,7 +142,7 @@ export const BLOCKS = [
  */
 
 /**
- * A picture of a map; `name` is what the command ``image`` takes. Occupied cells are black, free ones clear.
+ * A picture of a map; `name` is for the command ``image``. Occupied cells are black, free ones clear.
  * @typedef {object} Image
  * @property {string} name
  * @property {number[]} extent
@@ -170,7 +170,7 @@ export const BLOCKS = [
  */
 
 /**
- * A map as it is drawn: lines, or a picture where there are none.
+ * A map to draw: lines, or a picture if it has none.
  * @typedef {object} MapShape
  * @property {string} name
  * @property {number[]} origin
@@ -198,7 +198,7 @@ export const BLOCKS = [
  */
 
 /**
- * A robot or an obstacle with nothing but an outline and a place that can be read.
+ * A robot or an obstacle of which only the outline and the pose could be read.
  * @typedef {object} OutlineShape
  * @property {string} name
  * @property {Outline} footprint
@@ -283,7 +283,7 @@ export const BLOCKS = [
  */
 
 /**
- * An element of a chain: its name, that of its class, and whether the scenario does not have it.
+ * An element of a chain: its name, its class's name, and whether it is not in the scenario.
  * @typedef {object} ElementForm
  * @property {string} name
  * @property {string} use
@@ -365,7 +365,7 @@ export const BLOCKS = [
  */
 
 /**
- * The others that a controller knows of, and the velocities that lead into them, in the robot's frame.
+ * The bodies that a controller knows of, and the velocities that lead into them, in the robot's frame.
  * @typedef {object} IntendedVelocities
  * @property {number} speed
  * @property {number[]} twist
@@ -429,7 +429,7 @@ export const BLOCKS = [
  */
 
 /**
- * How the simulation stands.
+ * The state of the simulation.
  * @typedef {object} State
  * @property {boolean} ok
  * @property {number} version
@@ -452,7 +452,7 @@ export const BLOCKS = [
  */
 
 /**
- * A number within a list that may be given an error, and has none yet.
+ * A number in a list that has no error yet and may be given one.
  * @typedef {object} TargetForm
  * @property {string} path
  * @property {string} label
@@ -480,7 +480,7 @@ export const BLOCKS = [
  */
 
 /**
- * A fault: where it is, what is there, and what is wrong with it.
+ * A fault: its place, the value there, and what is wrong with it.
  * @typedef {object} FaultLine
  * @property {string} file
  * @property {number | null} line
@@ -492,7 +492,7 @@ export const BLOCKS = [
  */
 
 /**
- * How a scenario's file stands: the answer to ``document``.
+ * The state of a scenario's file: the answer to ``document``.
  * @typedef {object} FaultyFile
  * @property {boolean} ok
  * @property {number} number
