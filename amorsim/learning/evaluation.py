@@ -9,6 +9,8 @@ import numpy as np
 import numpy.typing as npt
 from gymnasium.vector import AutoresetMode, VectorEnv
 
+from amorsim.core.error_text import in_words
+
 __all__ = ["Evaluation", "evaluate"]
 
 
@@ -50,8 +52,10 @@ def evaluate(
     Raises
     ------
     ValueError
-        If the environments do not begin again by themselves.
+        If these are no vector environment, or do not begin again by themselves.
     """
+    if not isinstance(envs, VectorEnv):
+        raise ValueError(f"envs: expected a vector environment, as make_vec() returns, got {in_words(envs)}")
     if envs.metadata.get("autoreset_mode") is AutoresetMode.DISABLED:
         raise ValueError("envs: expected the autoreset mode NextStep or SameStep, got Disabled")
     count = envs.num_envs

@@ -88,7 +88,10 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
         drawn: bool = False,
     ) -> None:
         if len(scenario.robots) != 1:
-            raise AmorsimError(f"expected a scenario with one robot, got one with {len(scenario.robots)}")
+            raise AmorsimError(
+                f"expected a scenario with one robot, got one with {len(scenario.robots)}; make_parallel and "
+                "make_parallel_vec take several"
+            )
         self.task = task
         self.num_envs = num_envs
         self._mode = AutoresetMode(autoreset_mode)

@@ -146,7 +146,7 @@ def test_a_bay_is_seen_from_the_robot() -> None:
 @pytest.mark.parametrize(
     ("pose", "touching", "reward", "ends", "success"),
     [
-        ((0.0, 0.0, 0.0), False, 4.0 - 5.0, False, False),  # 3 m and 1 rad farther
+        ((-1.0, 0.0, 0.0), False, 4.0 - 5.0, False, False),  # 4 m and 1 rad away, 1 m more than before
         ((3.0, 0.0, 1.0), False, 4.0 + 10.0, True, True),
         ((3.0, 0.2, 0.9), False, 4.0 - 0.2 - 0.1 + 10.0, True, True),
         ((3.0, 0.2, 0.7), False, 4.0 - 0.2 - 0.3, False, False),
@@ -159,9 +159,6 @@ def test_a_bay_is_reached_by_place_and_heading(
 ) -> None:
     task = Park(goals=((3.0, 0.0),), headings=(1.0,), time_reward=0.0)
     episode = {"goal": np.array([[3.0, 0.0, 1.0]]), "away": np.array([4.0])}
-    if pose == (0.0, 0.0, 0.0):
-        episode["away"] = np.array([3.0])  # so that it comes farther away by one
-        reward = -1.0
     found = task.judge(truth(pose, touching=touching), episode)
     assert found.reward[0] == pytest.approx(reward)
     assert (bool(found.is_terminated[0]), bool(found.is_success[0])) == (ends, success)
@@ -228,6 +225,10 @@ def test_an_evaluation_is_of_first_episodes_in_either_mode() -> None:
     assert next_step == same_step
     assert 0.0 < next_step.failure < 1.0
     assert "20 episodes" in str(next_step)
+    with pytest.raises(
+        ValueError, match=r"expected a vector environment, .*got 'amorsim/Follow-v0'"
+    ):
+        evaluate("amorsim/Follow-v0")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="got Disabled"):
         evaluate(make_vec("amorsim/PointGoal-v0", 2, autoreset_mode="Disabled"), ahead)
 
