@@ -51,11 +51,13 @@ def evaluate(
 
     Raises
     ------
+    TypeError
+        If it is not a vector environment.
     ValueError
-        If these are no vector environment, or do not begin again by themselves.
+        If the environments do not begin again by themselves.
     """
     if not isinstance(envs, VectorEnv):
-        raise ValueError(f"envs: expected a vector environment, as make_vec() returns, got {in_words(envs)}")
+        raise TypeError(f"envs: expected a vector environment, as make_vec() returns, got {in_words(envs)}")
     if envs.metadata.get("autoreset_mode") is AutoresetMode.DISABLED:
         raise ValueError("envs: expected the autoreset mode NextStep or SameStep, got Disabled")
     count = envs.num_envs

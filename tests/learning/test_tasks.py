@@ -225,9 +225,7 @@ def test_an_evaluation_is_of_first_episodes_in_either_mode() -> None:
     assert next_step == same_step
     assert 0.0 < next_step.failure < 1.0
     assert "20 episodes" in str(next_step)
-    with pytest.raises(
-        ValueError, match=r"expected a vector environment, .*got 'amorsim/Follow-v0'"
-    ):
+    with pytest.raises(TypeError, match=r"expected a vector environment, .*got 'amorsim/Follow-v0'"):
         evaluate("amorsim/Follow-v0")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="got Disabled"):
         evaluate(make_vec("amorsim/PointGoal-v0", 2, autoreset_mode="Disabled"), ahead)
