@@ -10,6 +10,8 @@ import atexit
 import signal
 import threading
 
+from amorsim.core.interrupt_signal import raise_interrupt
+
 __all__ = ["answer_interrupts", "main"]
 
 
@@ -27,12 +29,13 @@ def main() -> None:
 
 
 def answer_interrupts() -> None:
-    """Let Ctrl-C raise `KeyboardInterrupt`, as Python does, from here on."""
-    _replace(signal.SIG_DFL, signal.default_int_handler)
+    """Let Ctrl-C raise `KeyboardInterrupt` from here on, as Python does, but not within the compiler's library."""
+    _replace(signal.SIG_DFL, raise_interrupt)
 
 
 def _end_on_interrupt() -> None:
     _replace(signal.default_int_handler, signal.SIG_DFL)
+    _replace(raise_interrupt, signal.SIG_DFL)
 
 
 def _replace(present: object, handler: signal._HANDLER) -> None:

@@ -14,6 +14,7 @@ from types import FrameType, TracebackType
 import numba
 
 from amorsim.core.error_text import users_lines
+from amorsim.core.interrupt_signal import interrupt_main, raise_interrupt
 
 __all__ = ["Interrupt"]
 
@@ -38,18 +39,19 @@ class Interrupt:
 
     def __init__(self) -> None:
         self.is_wanted = False
-        self._installed = False
+        self._before: signal._HANDLER = None  # the handler that is put back
         self._has_ended = threading.Event()
         self.is_stepping = False
         self._is_ours = False  # the next signal, which comes from `_watch`
         self._within: FrameType | None = None  # whatever it calls is part of the run
 
     def __enter__(self) -> Interrupt:
-        in_main = threading.current_thread() is threading.main_thread()
-        if in_main and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        before = signal.getsignal(signal.SIGINT)
+        is_raised = before is signal.default_int_handler or before is raise_interrupt
+        if is_raised and threading.current_thread() is threading.main_thread():
             self._within = sys._getframe(1)
             signal.signal(signal.SIGINT, self._note)
-            self._installed = True
+            self._before = before
         return self
 
     def call(self, step: Callable[[], None]) -> None:
@@ -69,7 +71,7 @@ class Interrupt:
             if self.is_stepping and self._users_stack(frame):  # else it has returned meanwhile
                 raise KeyboardInterrupt
         elif self.is_wanted:
-            raise KeyboardInterrupt
+            raise_interrupt(number, frame)
         else:
             self.is_wanted = True
             threading.Thread(target=self._watch, name="amorsim-interrupt", daemon=True).start()
@@ -80,10 +82,7 @@ class Interrupt:
         while not self._has_ended.wait(PATIENCE):
             if self.is_stepping and self._users_stack(sys._current_frames().get(main)):
                 self._is_ours = True
-                if hasattr(signal, "pthread_kill"):  # also wakes a thread that sleeps
-                    signal.pthread_kill(main, signal.SIGINT)
-                else:
-                    signal.raise_signal(signal.SIGINT)
+                interrupt_main()
 
     def _users_stack(self, frame: FrameType | None) -> list[str]:
         """The lines of the user's code that is running; none if amorsim's own code runs or compiles."""
@@ -107,6 +106,6 @@ class Interrupt:
     ) -> None:
         self._has_ended.set()
         self._within = None
-        if self._installed:
+        if self._before is not None:
             with contextlib.suppress(ValueError):
-                signal.signal(signal.SIGINT, signal.default_int_handler)
+                signal.signal(signal.SIGINT, self._before)
