@@ -237,7 +237,7 @@ def test_a_real_log_becomes_a_graph_about_as_right_as_the_corrected_path() -> No
     assert wheels.position.mean() > 2.0
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @pytest.mark.skipif(not SHARED.exists(), reason="there are no shared logs")
 def test_the_loops_of_a_real_log_with_long_corridors_close() -> None:
     """Far from the corrected path: the wheels by 4.6 m in the mean, scan matching by 2.2 m."""

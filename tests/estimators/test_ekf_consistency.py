@@ -138,10 +138,12 @@ def test_errors_are_as_large_as_it_says(fusion):
     check_consistency(FUSIONS[fusion], 100, (12.0,))
 
 
-@pytest.mark.long
+@pytest.mark.parametrize(
+    "replicas", [pytest.param(300, marks=pytest.mark.long), pytest.param(1000, marks=pytest.mark.nightly)]
+)
 @pytest.mark.parametrize("fusion", FUSIONS)
-def test_errors_are_as_large_as_it_says_over_a_thousand_replicas(fusion):
-    check_consistency(FUSIONS[fusion], 1000, TIMES)
+def test_errors_are_as_large_as_it_says_at_all_times(fusion, replicas):
+    check_consistency(FUSIONS[fusion], replicas, TIMES)
 
 
 # A gyro's innovations show it in a thousand replicas only.

@@ -100,10 +100,10 @@ def test_a_process_that_dies_costs_its_chunk_only(tmp_path: Path, always: bool) 
 
 @pytest.mark.long
 @pytest.mark.filterwarnings("default")
-def test_two_hundred_points_give_one_table_however_they_are_computed(tmp_path: Path) -> None:
+def test_eighty_points_give_one_table_however_they_are_computed(tmp_path: Path) -> None:
     from distributed import Client, LocalCluster
 
-    given = small(tmp_path / "s", 200)
+    given = small(tmp_path / "s", 80)
     am.sweep(given, tmp_path / "one")
     am.sweep(given, tmp_path / "two", jobs=2)
     with (
@@ -113,7 +113,7 @@ def test_two_hundred_points_give_one_table_however_they_are_computed(tmp_path: P
         workers = [worker.pid for worker in cluster.workers.values()]
 
         def kill(progress: Any) -> None:
-            if progress.done == 100:
+            if progress.done == 40:
                 os.kill(workers[0], signal.SIGKILL)
 
         study = am.sweep(given, tmp_path / "dask", dask=client, progress=kill)

@@ -40,7 +40,7 @@ class Estimator:
         if self.since > 0.1:
             self.since = 0.0
             ranges = np.nan_to_num(readings["laser"].measured[TAKEN], nan=LONGEST, posinf=LONGEST)
-            self.weigh(expected_ranges(self.particles), np.minimum(ranges, LONGEST))
+            self.weigh(np.minimum(ranges, LONGEST))
             self.resample()
         return self.mean()
 
@@ -59,9 +59,9 @@ class Estimator:
             self.since += abs(ahead.mean()) + abs(turn.mean())
         self.counts = counts
 
-    def weigh(self, expected, measured):
-        """Give particles whose `expected` ranges (particles, beams) fit the `measured` ones (beams,) more weight."""
-        # Step 2 of the handout goes here.
+    def weigh(self, measured):
+        """Give particles whose expected ranges fit the `measured` ones (beams,) more weight."""
+        # Step 2 of the handout goes here: `expected_ranges(self.particles)` has a row for each particle.
 
     def resample(self):
         """Draw PARTICLES of the particles anew, each as often as its weight says."""

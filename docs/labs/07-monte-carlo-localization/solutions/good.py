@@ -39,7 +39,7 @@ class Estimator:
         if self.since > 0.1:
             self.since = 0.0
             ranges = np.nan_to_num(readings["laser"].measured[TAKEN], nan=LONGEST, posinf=LONGEST)
-            self.weigh(expected_ranges(self.particles), np.minimum(ranges, LONGEST))
+            self.weigh(np.minimum(ranges, LONGEST))
             self.resample()
         return self.mean()
 
@@ -58,9 +58,10 @@ class Estimator:
             self.since += abs(ahead.mean()) + abs(turn.mean())
         self.counts = counts
 
-    def weigh(self, expected, measured):
-        """Give particles whose `expected` ranges (particles, beams) fit the `measured` ones (beams,) more weight."""
-        off = np.minimum(np.abs(expected - measured), 1.0)  # one beam that is far off must not decide alone
+    def weigh(self, measured):
+        """Give particles whose expected ranges fit the `measured` ones (beams,) more weight."""
+        off = np.abs(expected_ranges(self.particles) - measured)
+        off = np.minimum(off, 1.0)  # one beam that is far off must not decide alone
         fit = -0.5 * (off**2).sum(axis=1) / 0.6**2
         self.weights *= np.exp(fit - fit.max())
         self.weights /= self.weights.sum()

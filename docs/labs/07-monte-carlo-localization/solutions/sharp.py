@@ -37,7 +37,7 @@ class Estimator:
         if self.since > 0.1:
             self.since = 0.0
             ranges = np.nan_to_num(readings["laser"].measured[TAKEN], nan=LONGEST, posinf=LONGEST)
-            self.weigh(expected_ranges(self.particles), np.minimum(ranges, LONGEST))
+            self.weigh(np.minimum(ranges, LONGEST))
             self.resample()
         return self.mean()
 
@@ -56,9 +56,9 @@ class Estimator:
             self.since += abs(ahead.mean()) + abs(turn.mean())
         self.counts = counts
 
-    def weigh(self, expected, measured):
-        """Give particles whose `expected` ranges (particles, beams) fit the `measured` ones (beams,) more weight."""
-        off = expected - measured
+    def weigh(self, measured):
+        """Give particles whose expected ranges fit the `measured` ones (beams,) more weight."""
+        off = expected_ranges(self.particles) - measured
         fit = -0.5 * (off**2).sum(axis=1) / 0.03**2
         self.weights *= np.exp(fit - fit.max())
         self.weights /= self.weights.sum()
