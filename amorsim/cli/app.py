@@ -114,9 +114,9 @@ app.add_typer(plugins.app, name="plugins", short_help="List all components, or s
 
 def _version(wanted: bool) -> None:
     if wanted:
-        from amorsim.core.version import version
+        from amorsim.core.version import __version__
 
-        typer.echo(f"amorsim {version()}")
+        typer.echo(f"amorsim {__version__}")
         raise typer.Exit
 
 

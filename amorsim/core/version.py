@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import importlib.metadata
 
-__all__ = ["version"]
+__all__ = ["__version__"]
 
-
-def version() -> str:
-    """The version, such as ``"0.3.0"``; ``"not installed"`` for sources that are only on the path."""
-    try:
-        return importlib.metadata.version("amorsim")
-    except importlib.metadata.PackageNotFoundError:
-        return "not installed"
+try:
+    __version__ = importlib.metadata.version("amorsim")
+    """Such as ``"0.3.0"``; ``"not installed"`` for sources that are only on the path."""
+except importlib.metadata.PackageNotFoundError:
+    __version__ = "not installed"

@@ -1,13 +1,5 @@
 """Drives: how wheels follow commands, and how the body moves as the wheels turn."""
 
-from __future__ import annotations
+from amorsim.core.lazy_names import lazy_names
 
-from amorsim.drives.ackermann import Ackermann
-from amorsim.drives.differential import Differential
-from amorsim.drives.mecanum import Mecanum
-from amorsim.drives.motors import Motors
-from amorsim.drives.synchro import Synchro
-from amorsim.drives.tractor import Tractor
-from amorsim.drives.tricycle import Tricycle
-
-__all__ = ["Ackermann", "Differential", "Mecanum", "Motors", "Synchro", "Tractor", "Tricycle"]
+__getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

@@ -1,14 +1,5 @@
 """Estimators: poses estimated from readings."""
 
-from __future__ import annotations
+from amorsim.core.lazy_names import lazy_names
 
-from amorsim.estimators.dead_reckoning import DeadReckoning
-from amorsim.estimators.ekf import Ekf
-from amorsim.estimators.graph_slam import GraphSlam
-from amorsim.estimators.grid_mapping import GridMapping
-from amorsim.estimators.grid_slam import GridSlam
-from amorsim.estimators.monte_carlo import MonteCarlo
-from amorsim.estimators.scan_matching import ScanMatching
-from amorsim.estimators.ukf import Ukf
-
-__all__ = ["DeadReckoning", "Ekf", "GraphSlam", "GridMapping", "GridSlam", "MonteCarlo", "ScanMatching", "Ukf"]
+__getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

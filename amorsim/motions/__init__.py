@@ -1,23 +1,5 @@
 """Motions of obstacles: along routes, at random, as recorded, on timetables, like pedestrians."""
 
-from __future__ import annotations
+from amorsim.core.lazy_names import lazy_names
 
-from amorsim.motions.doors import SlidingDoor, SwingDoor
-from amorsim.motions.pedestrian import Pedestrian
-from amorsim.motions.routes import Loop, Oscillate, Waypoints
-from amorsim.motions.track import Track
-from amorsim.motions.user import ObstacleState, UserMotion
-from amorsim.motions.wander import Wander
-
-__all__ = [
-    "Loop",
-    "ObstacleState",
-    "Oscillate",
-    "Pedestrian",
-    "SlidingDoor",
-    "SwingDoor",
-    "Track",
-    "UserMotion",
-    "Wander",
-    "Waypoints",
-]
+__getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

@@ -15,7 +15,7 @@ import pluggy
 
 from amorsim.core.error_text import RAISED, error_in_words
 from amorsim.core.errors import PluginError, did_you_mean
-from amorsim.core.version import version
+from amorsim.core.version import __version__
 from amorsim.plugins.hooks import GROUP, Hooks
 from amorsim.plugins.registry import Plugin, Registry
 
@@ -65,7 +65,7 @@ def make_registry(
         entry_points = importlib.metadata.entry_points(group=GROUP)
     found: list[tuple[Plugin, Callable[[], Any]]] = [
         (
-            Plugin(name="builtin", distribution=GROUP, version=version()),
+            Plugin(name="builtin", distribution=GROUP, version=__version__),
             lambda: importlib.import_module(_BUILTIN),
         )
     ]

@@ -1,38 +1,5 @@
 """Sensors: ideal readings of the world. The errors of real devices are in `amorsim.noise`."""
 
-from __future__ import annotations
+from amorsim.core.lazy_names import lazy_names
 
-from amorsim.sensors.bumper import Bumper, Sector
-from amorsim.sensors.camera import Camera
-from amorsim.sensors.cliff import Cliff
-from amorsim.sensors.compass import Compass
-from amorsim.sensors.encoder import Encoder
-from amorsim.sensors.fiducial import Fiducial
-from amorsim.sensors.gps import Gps
-from amorsim.sensors.gyro import Gyro
-from amorsim.sensors.imu import Imu
-from amorsim.sensors.infrared import Infrared
-from amorsim.sensors.laser import Laser
-from amorsim.sensors.light import Light
-from amorsim.sensors.line import Line
-from amorsim.sensors.neighbours import Neighbours
-from amorsim.sensors.sonar import Sonar
-
-__all__ = [
-    "Bumper",
-    "Camera",
-    "Cliff",
-    "Compass",
-    "Encoder",
-    "Fiducial",
-    "Gps",
-    "Gyro",
-    "Imu",
-    "Infrared",
-    "Laser",
-    "Light",
-    "Line",
-    "Neighbours",
-    "Sector",
-    "Sonar",
-]
+__getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

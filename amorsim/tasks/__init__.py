@@ -1,10 +1,5 @@
 """Tasks for learners: what is observed and rewarded, and when an episode ends."""
 
-from __future__ import annotations
+from amorsim.core.lazy_names import lazy_names
 
-from amorsim.tasks.follow_leader import FollowLeader
-from amorsim.tasks.follow_line import FollowLine
-from amorsim.tasks.park import Park
-from amorsim.tasks.point_goal import PointGoal
-
-__all__ = ["FollowLeader", "FollowLine", "Park", "PointGoal"]
+__getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

@@ -1,4 +1,4 @@
-"""A world in Python: the class of a generator, and its parameters by name."""
+"""Generated worlds in Python: a function for each generator, which makes a map of its parameters by name."""
 
 from __future__ import annotations
 
@@ -12,14 +12,56 @@ from amorsim.core.errors import MapError
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError, describe
 from amorsim.core.unknown_names import no_such
+from amorsim.worlds.barn_fields import Barn
+from amorsim.worlds.caves import Cave
+from amorsim.worlds.crossings import Crossing
 from amorsim.worlds.drawn import DrawnParameter, DrawnWorld, can_be_drawn, middle_of
+from amorsim.worlds.forests import Forest
 from amorsim.worlds.made import MadeWorld, make_world
+from amorsim.worlds.mazes import Maze
+from amorsim.worlds.offices import Office
+from amorsim.worlds.warehouses import Warehouse
 
-__all__ = ["generated"]
+__all__ = ["barn", "cave", "crossing", "forest", "maze", "office", "warehouse"]
+
+
+def office(seed: int = 0, *, per: str = "study", **options: Any) -> Map:
+    """An office floor; `options` are the fields of `Office`. Raises `MapError` if they admit no world."""
+    return _generated(Office, seed, per, options)
+
+
+def maze(seed: int = 0, *, per: str = "study", **options: Any) -> Map:
+    """A maze; `options` are the fields of `Maze`. Raises `MapError` if they admit no world."""
+    return _generated(Maze, seed, per, options)
+
+
+def cave(seed: int = 0, *, per: str = "study", **options: Any) -> Map:
+    """A cave; `options` are the fields of `Cave`. Raises `MapError` if they admit no world."""
+    return _generated(Cave, seed, per, options)
+
+
+def forest(seed: int = 0, *, per: str = "study", **options: Any) -> Map:
+    """A forest; `options` are the fields of `Forest`. Raises `MapError` if they admit no world."""
+    return _generated(Forest, seed, per, options)
+
+
+def warehouse(seed: int = 0, *, per: str = "study", **options: Any) -> Map:
+    """A warehouse; `options` are the fields of `Warehouse`. Raises `MapError` if they admit no world."""
+    return _generated(Warehouse, seed, per, options)
+
+
+def crossing(seed: int = 0, *, per: str = "study", **options: Any) -> Map:
+    """Streets that cross; `options` are the fields of `Crossing`. Raises `MapError` if they admit no world."""
+    return _generated(Crossing, seed, per, options)
+
+
+def barn(seed: int = 0, *, per: str = "study", **options: Any) -> Map:
+    """A field as of the BARN challenge; `options` are the fields of `Barn`. Raises `MapError` if they admit none."""
+    return _generated(Barn, seed, per, options)
 
 
 @checked
-def generated(cls: type[WorldGenerator], seed: int, per: str, options: Mapping[str, Any]) -> Map:
+def _generated(cls: type[WorldGenerator], seed: int, per: str, options: Mapping[str, Any]) -> Map:
     """The world of a generator's class with these fields; some may be distributions.
 
     Raises
