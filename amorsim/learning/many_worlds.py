@@ -45,7 +45,7 @@ class SimulationParallelVectorEnv:
         self, scenario: Scenario, task: Task, num_worlds: int, *, dtype: str = "float32", threads: int = 1
     ) -> None:
         self.task, self.num_worlds = task, num_worlds
-        self._worlds = Worlds(scenario, task, num_worlds, dtype, threads)
+        self._worlds = Worlds(scenario, task, num_worlds, dtype=dtype, threads=threads)
         self.possible_agents = list(self._worlds.agents)
         self.single_action_space, self.single_observation_space = (
             self._worlds.action_space,

@@ -56,7 +56,7 @@ class SimulationParallelEnv(ParallelEnv):  # type: ignore[misc]
             "render_fps": round(1.0 / task.period),
             "is_parallelizable": True,
         }
-        self._worlds = Worlds(scenario, task, 1, dtype)
+        self._worlds = Worlds(scenario, task, 1, dtype=dtype)
         self._random = np.random.default_rng()
         self._pictures: Pictures | None = None
         self._is_begun, self._count = False, 0

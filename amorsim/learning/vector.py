@@ -5,23 +5,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import attrs
 import gymnasium as gym
 import numpy as np
 import numpy.typing as npt
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from amorsim.contracts import Controller, Draws, Observable, RobotModel, State, StepOutcome, Task
-from amorsim.controllers.manual import Manual
-from amorsim.core.draws import stream_key
+from amorsim.contracts import Controller, StepOutcome, Task
 from amorsim.core.errors import AmorsimError
 from amorsim.learning.pictures import Pictures, goals_in
+from amorsim.learning.worlds import Worlds
 from amorsim.scenario.parameter_paths import value_in
 from amorsim.scenario.spec import Scenario
 from amorsim.simulation.simulation import MAX_REPLICA, Simulation
 
-__all__ = ["RENDER_MODES", "SIZE", "STUDY", "SimulationVectorEnv", "whole_steps"]
+__all__ = ["RENDER_MODES", "SIZE", "SimulationVectorEnv"]
 
 Array = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
@@ -29,8 +27,6 @@ Bools = npt.NDArray[np.bool_]
 RENDER_MODES = ["rgb_array"]
 SIZE = 480  # [px] the longer side of a picture
 _LARGE = 1e6  # no true quantity is larger
-STUDY = 0
-"""The seed of every simulation here. An environment's own seed is the number of its replica."""
 
 
 class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
@@ -106,36 +102,27 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
             "autoreset_mode": self._mode,
         }
         self._pictures: Pictures | None = None
-        self._threads = threads
-        self._robot_name = scenario.robots[0].name
-        self._is_driven = controller is None
+        self._worlds = Worlds(scenario, task, num_envs, dtype=dtype, threads=threads, controller=controller)
         draws = [path for path, error in scenario.robots[0].errors.items() if error.is_drawn]
         self._drawn_paths = draws if drawn else []
-        driver = Manual() if controller is None else controller
-        self._scenario = attrs.evolve(scenario, robots=[attrs.evolve(scenario.robots[0], controller=driver)])
-        self._steps_per_action = whole_steps(task.period, scenario.dt, "period")
-        self._horizon = whole_steps(task.horizon, task.period, "horizon")
-        self._dtype = np.dtype(dtype)
         self._is_privileged = privileged
-        self._begin_first(range(num_envs))  # for the spaces
         self._is_begun = False
         self._make_spaces()
         self._count = np.zeros(num_envs, dtype=np.int64)  # actions in each episode
         self._is_over = np.zeros(num_envs, dtype=bool)
 
-    def _simulate(self, seeds: Sequence[int]) -> Simulation:
-        return Simulation(self._scenario, seed=STUDY, replicas=list(seeds), threads=self._threads)
+    @property
+    def simulation(self) -> Simulation:
+        """The simulation, whose replicas are the environments."""
+        return self._worlds.simulation
 
     def _make_spaces(self) -> None:
-        low, high = (bound.astype(self._dtype) for bound in self.task.action_bounds)
-        self.single_action_space = gym.spaces.Box(low, high, dtype=self._dtype.type)
-        self._action = np.zeros((self.num_envs, len(low)))
-        self._low, self._high = self.task.action_bounds
-        low, high = (bound.astype(self._dtype) for bound in self.task.bounds(self._robot))
-        space: gym.Space[Any] = gym.spaces.Box(low, high, dtype=self._dtype.type)
+        worlds = self._worlds
+        self.single_action_space = worlds.action_space
+        space: gym.Space[Any] = worlds.observation_space
         if self._is_privileged:
-            size = self.task.privileged(self.simulation.truth(), self._episode).shape[1]
-            wide = gym.spaces.Box(-_LARGE, _LARGE, (size,), dtype=self._dtype.type)
+            size = worlds.privileged().shape[2]
+            wide = gym.spaces.Box(-_LARGE, _LARGE, (size,), dtype=worlds.dtype.type)
             space = gym.spaces.Dict({"observation": space, "privileged": wide})
         self.single_observation_space = space
         self.action_space = batch_space(self.single_action_space, self.num_envs)
@@ -165,7 +152,7 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
                 raise ValueError("seed: with a reset_mask no seed can be given: a seed is that of an environment")
             self._begin_first(self._seeds(seed))
         elif self._is_begun:
-            self._begin_again(mask)
+            self._worlds.begin_again(mask)
         elif not mask.all():
             raise ValueError("reset_mask: expected all environments at the first reset")
         else:
@@ -173,7 +160,6 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
             self._begin_first(range(first, first + self.num_envs))
         self._count[mask] = 0
         self._is_over[mask] = False
-        self._action[mask] = 0.0
         infos = self._infos(mask)
         if self._drawn_paths:
             infos |= {"drawn": self._drawn(mask), "_drawn": mask.copy()}
@@ -181,7 +167,8 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
 
     def _drawn(self, mask: Bools) -> dict[str, Any]:
         """The true values that were drawn for the robots, with masks of the environments in `mask`."""
-        robots = [self.simulation.robot(self._robot_name, number).true for number in self.simulation.replicas]
+        (name,) = self._worlds.agents
+        robots = [self.simulation.robot(name, number).true for number in self.simulation.replicas]
         found: dict[str, Any] = {}
         for path in self._drawn_paths:
             found[path] = np.array([float(value_in(robot, path.split("."))) for robot in robots])
@@ -211,29 +198,11 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
             raise ValueError(f"reset_mask: expected shape ({self.num_envs},) and at least one True, got {mask!r}")
         return mask.copy()
 
-    def _begin_again(self, which: Bools) -> None:
-        """Begin the next episode in some environments."""
-        rows = np.flatnonzero(which)
-        numbers = self.simulation.replicas
-        self.simulation.reset(replicas=[numbers[row] for row in rows.tolist()])
-        for name, array in self.task.begin(self.simulation.truth(rows.tolist()), self._draws(rows)).items():
-            self._episode[name][rows] = array
-        self._action[rows] = 0.0
-
     def _begin_first(self, seeds: Sequence[int]) -> None:
         """Begin the first episodes of these seeds in all environments."""
-        self.simulation = self._simulate(seeds)
+        self._worlds.begin(seeds)
         self._pictures = None
-        rows = np.arange(self.num_envs)
-        self._episode: State = self.task.begin(self.simulation.truth(rows.tolist()), self._draws(rows))
         self._is_begun = True
-
-    def _draws(self, rows: npt.NDArray[np.intp]) -> Draws:
-        """The random numbers of a task: of the environment's seed and its episode alone."""
-        counter = np.zeros((len(rows), 3), dtype=np.uint32)
-        counter[:, 0] = np.array(self.simulation.replicas, dtype=np.uint32)[rows]
-        counter[:, 1] = self.simulation.episodes[rows]
-        return Draws(np.full(len(rows), stream_key(STUDY, "task"), dtype=np.uint64), counter)
 
     # ------------------------------------------------------------------------------------------------------------ step
 
@@ -252,16 +221,13 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
             raise ValueError(
                 f"{int(again.sum())} episodes are over: begin others with reset(options={{'reset_mask': ...}}) first"
             )
-        self._take(actions)
-        for _ in range(self._steps_per_action):
-            self.simulation.step()
-        outcome = self.task.judge(self.simulation.truth(), self._episode)
+        outcome = self._worlds.act(self._taken(actions))
         self._count += 1
-        truncated = self._count >= self._horizon
+        truncated = self._count >= self._worlds.horizon
         reward, terminated = outcome.reward.copy(), outcome.is_terminated.copy()
         truncated &= ~terminated
         if again.any():  # the mode is NEXT_STEP: in these the action was for nothing
-            self._begin_again(again)
+            self._worlds.begin_again(again)
             reward[again] = 0.0
             terminated[again] = truncated[again] = False
             self._count[again] = 0
@@ -270,21 +236,19 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
         if self._mode is AutoresetMode.SAME_STEP and self._is_over.any():
             infos |= self._finals(infos)
             over = self._is_over
-            self._begin_again(over)
+            self._worlds.begin_again(over)
             self._count[over] = 0
             self._is_over = np.zeros(self.num_envs, dtype=bool)
             infos |= self._infos(over)
         return self._observations(), reward, terminated, truncated, infos
 
-    def _take(self, actions: Any) -> None:
+    def _taken(self, actions: Any) -> Array:
+        """The actions `(num_envs, 1, a)`."""
         taken = np.asarray(actions, dtype=float)
-        if taken.shape != self._action.shape or not np.isfinite(taken).all():
-            raise ValueError(f"actions: expected finite numbers {self._action.shape}, got shape {taken.shape}")
-        self._action = np.clip(taken, self._low, self._high)
-        if not self._is_driven:
-            return
-        forward, turn, left = self.task.velocities(self._action)
-        self.simulation.drive(self._robot_name, forward=forward, turn=turn, left=left)
+        expected = self.num_envs, len(self._worlds.low)
+        if taken.shape != expected or not np.isfinite(taken).all():
+            raise ValueError(f"actions: expected finite numbers {expected}, got shape {taken.shape}")
+        return taken[:, None]
 
     # ------------------------------------------------------------------------------------------------- what is seen
 
@@ -296,20 +260,14 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
             raise ValueError("expected reset() before the first picture")
         if self._pictures is None:
             self._pictures = Pictures(self.simulation, SIZE)
-        return tuple(self._pictures.draw(row, goals_in(self._episode, [row])) for row in range(self.num_envs))
-
-    @property
-    def _robot(self) -> RobotModel:
-        return self.simulation.known(self._robot_name).robot
+        return tuple(self._pictures.draw(row, goals_in(self._worlds.episode, [row])) for row in range(self.num_envs))
 
     def _observations(self) -> Any:
         """Arrays of their own: the next step does not change them."""
-        known = Observable(*self.simulation.known(self._robot_name), self._action)
-        seen = self.task.observe(known, self._episode).astype(self._dtype)
+        seen = self._worlds.observe()[:, 0]
         if not self._is_privileged:
             return seen
-        truth = self.simulation.truth()
-        return {"observation": seen, "privileged": self.task.privileged(truth, self._episode).astype(self._dtype)}
+        return {"observation": seen, "privileged": self._worlds.privileged()[:, 0]}
 
     def _infos(self, which: Bools, outcome: StepOutcome | None = None) -> dict[str, Any]:
         """Infos as Gymnasium has them: arrays, and masks of the environments that they are about."""
@@ -332,11 +290,3 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
             "final_info": {**kept, **about},
             "_final_info": over.copy(),
         }
-
-
-def whole_steps(time: float, step: float, name: str) -> int:
-    """How many steps [s] a time [s] has; raises `AmorsimError` if they are not a whole number."""
-    count = round(time / step)
-    if count < 1 or abs(count * step - time) > 1e-9 * time:
-        raise AmorsimError(f"{name}: expected a whole number of steps of {step:g} s, got {time:g} s")
-    return count

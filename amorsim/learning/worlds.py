@@ -1,4 +1,7 @@
-"""Worlds of several robots that learn: all in one simulation, a row for each robot of each world."""
+"""Worlds of robots that learn: all in one simulation, a row for each robot of each world.
+
+All environments are made of these: those of one robot, of agents in one world, and of many such worlds.
+"""
 
 from __future__ import annotations
 
@@ -10,19 +13,21 @@ import gymnasium as gym
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Draws, Observable, State, StepOutcome, Task
+from amorsim.contracts import Controller, Draws, Observable, State, StepOutcome, Task
 from amorsim.controllers.manual import Manual
 from amorsim.core.draws import stream_key
 from amorsim.core.errors import AmorsimError
-from amorsim.learning.vector import STUDY, whole_steps
 from amorsim.scenario.spec import Scenario
 from amorsim.simulation.simulation import MAX_REPLICA, Simulation
 
-__all__ = ["Worlds"]
+__all__ = ["STUDY", "Worlds"]
 
 Array = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 Ints = npt.NDArray[np.int64]
+
+STUDY = 0
+"""The seed of every simulation here. A world's own seed is the number of its replica."""
 
 
 class Worlds:
@@ -30,17 +35,31 @@ class Worlds:
 
     Parameters
     ----------
-    scenario, task
-        As of `SimulationParallelEnv`.
+    scenario
+        With robots that are alike, whose controllers the actions replace.
+    task
+        What each robot observes, is rewarded for, and draws.
+    count
+        Number of worlds.
     dtype
         Of observations and actions.
     threads
         That share the simulation's work.
+    controller
+        That drives all robots in place of the actions.
 
     Attributes
     ----------
     agents
         The robots' names, in the order of a world's columns.
+    simulation
+        Whose replicas are the worlds.
+    episode
+        The task's arrays of the present episodes, with a row for each robot of each world.
+    horizon
+        Number of actions after which an episode is over.
+    low, high
+        Bounds of an action.
 
     Raises
     ------
@@ -48,12 +67,23 @@ class Worlds:
         If the robots are not alike, or a period is no whole number of the scenario's steps.
     """
 
-    def __init__(self, scenario: Scenario, task: Task, count: int, dtype: str, threads: int = 1) -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        task: Task,
+        count: int,
+        *,
+        dtype: str,
+        threads: int = 1,
+        controller: Controller | None = None,
+    ) -> None:
         self.task, self.count, self.dtype = task, count, np.dtype(dtype)
-        robots = [attrs.evolve(robot, controller=Manual()) for robot in scenario.robots]
+        self._is_driven = controller is None
+        driver = Manual() if controller is None else controller
+        robots = [attrs.evolve(robot, controller=driver) for robot in scenario.robots]
         self._scenario, self._threads = attrs.evolve(scenario, robots=robots), threads
-        self._steps_per_action = whole_steps(task.period, scenario.dt, "period")
-        self.horizon = whole_steps(task.horizon, task.period, "horizon")
+        self._steps_per_action = _whole_steps(task.period, scenario.dt, "period")
+        self.horizon = _whole_steps(task.horizon, task.period, "horizon")
         self.low, self.high = task.action_bounds
         self.begin(range(count))
         self.agents = list(self.simulation.names)
@@ -112,17 +142,25 @@ class Worlds:
                 self.episode[name][rows] = array
         self._action[worlds] = 0.0
 
-    def act(self, actions: Array, is_on: Bools) -> StepOutcome:
-        """Take actions `(W, A, a)` of the robots that are on `(W, A)`; others stand. Returns the outcome `(W * A,)`."""
-        self._action = np.where(is_on[:, :, None], np.clip(actions, self.low, self.high), 0.0)
-        flat = self._action.reshape(-1, len(self.low))
-        parts = [np.where(is_on, part.reshape(is_on.shape), 0.0) for part in self.task.velocities(flat)]
-        for column, name in enumerate(self.agents):
-            forward, turn, left = (part[:, column] for part in parts)
-            self.simulation.drive(name, forward=forward, turn=turn, left=left)
+    def act(self, actions: Array, is_on: Bools | None = None) -> StepOutcome:
+        """Take actions `(W, A, a)`, of robots that are on `(W, A)`; others stand. Returns the outcome `(W * A,)`."""
+        self._action = np.clip(actions, self.low, self.high)
+        if is_on is not None:
+            self._action[~is_on] = 0.0
+        if self._is_driven:
+            self._drive(is_on)
         for _ in range(self._steps_per_action):
             self.simulation.step()
         return self.task.judge(self.simulation.truth(), self.episode)
+
+    def _drive(self, is_on: Bools | None) -> None:
+        shape = self._action.shape[:2]
+        parts = [part.reshape(shape) for part in self.task.velocities(self._action.reshape(-1, len(self.low)))]
+        if is_on is not None:
+            parts = [np.where(is_on, part, 0.0) for part in parts]
+        for column, name in enumerate(self.agents):
+            forward, turn, left = (part[:, column] for part in parts)
+            self.simulation.drive(name, forward=forward, turn=turn, left=left)
 
     def observe(self) -> npt.NDArray[Any]:
         """The observations `(W, A, k)`, arrays of their own."""
@@ -136,3 +174,11 @@ class Worlds:
         """True quantities for a critic `(W, A, p)`."""
         found = self.task.privileged(self.simulation.truth(), self.episode).astype(self.dtype)
         return found.reshape(self.count, len(self.simulation.names), -1)
+
+
+def _whole_steps(time: float, step: float, name: str) -> int:
+    """How many steps [s] a time [s] has; raises `AmorsimError` if they are not a whole number."""
+    count = round(time / step)
+    if count < 1 or abs(count * step - time) > 1e-9 * time:
+        raise AmorsimError(f"{name}: expected a whole number of steps of {step:g} s, got {time:g} s")
+    return count

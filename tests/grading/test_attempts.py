@@ -491,7 +491,7 @@ class Estimator:
 def test_a_submission_finds_a_seed_that_is_known_and_none_that_is_drawn(tmp_path: Path) -> None:
     text = RUBRIC[: RUBRIC.index("[criteria]")].replace('function = "drive"', 'role = "estimator"')
     text += '[criteria]\nnear = { use = "position_error", at = "max", points = 10.0, none = 1e-6, full = 0.0 }\n'
-    text = text.replace("time_limit = 2.0", "time_limit = 600.0")  # it simulates several runs, beside whatever else runs
+    text = text.replace("time_limit = 2.0", "time_limit = 600.0")  # it simulates several runs, beside other work
     course = make_course(tmp_path / "course", text.replace("runs = 1", "practice = true\nseeds = [7]"))
     own = tmp_path / "handed-in" / "mirror.py"
     own.parent.mkdir()

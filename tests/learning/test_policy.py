@@ -28,7 +28,7 @@ def test_it_drives_in_a_scenario_as_in_an_environment() -> None:
     envs = make_vec("amorsim/PointGoal-v0", 3, autoreset_mode="Disabled")
     session = onnxruntime.InferenceSession(str(FILE))
     seen, _ = envs.reset(seed=41)
-    goals = envs._episode["goal"].copy()
+    goals = envs._worlds.episode["goal"].copy()
     poses = []
     for _ in range(60):
         actions = [session.run(None, {"observation": one[None]})[0][0] for one in seen]

@@ -168,7 +168,7 @@ def test_of_several_bays_each_is_drawn() -> None:
     task = Park(goals=((29.7, 2.0), (32.0, 8.0), (20.0, 8.0)), headings=(1.5, 0.0, 0.1))
     envs = make_vec(load_environment("amorsim/Dock-v0"), 60, task=task)
     envs.reset(seed=0)
-    drawn = {tuple(goal) for goal in envs._episode["goal"].tolist()}
+    drawn = {tuple(goal) for goal in envs._worlds.episode["goal"].tolist()}
     assert drawn == {(29.7, 2.0, 1.5), (32.0, 8.0, 0.0), (20.0, 8.0, 0.1)}
     with pytest.raises(ParameterError, match="expected one for each of 3 goals"):
         attrs.evolve(task, headings=(1.0,))

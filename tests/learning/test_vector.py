@@ -145,14 +145,14 @@ def test_an_episode_can_be_repeated_from_its_seed_and_number() -> None:
         again, info = one.reset()
     assert info == {"episode_number": 3}
     np.testing.assert_array_equal(again, seen[1])
-    goals = many._episode["goal"]
+    goals = many._worlds.episode["goal"]
     assert len(np.unique(goals, axis=0)) == 3
 
 
 def test_goals_are_drawn_as_far_as_asked_and_clear_of_walls() -> None:
     many = envs(200)
     many.reset(seed=0)
-    goals = many._episode["goal"]
+    goals = many._worlds.episode["goal"]
     away = np.hypot(*(goals - many.simulation.true_pose[:, :2]).T)
     # The way leads over eight neighbours of squares 0.05 m wide, so it is up to 8.3 % longer than the straight line.
     assert away.min() >= 0.5 / 1.083 - 0.05
@@ -253,7 +253,7 @@ def test_each_generated_world_has_goals_of_its_own(tmp_path: Path) -> None:
     file.write_text(text.replace('map = "../../scenarios/office.wld"', 'map = { generate = "maze", corridor = 1.5 }'))
     many = make_vec(file, 3, task=TASK)
     many.reset(seed=7)
-    for row, goal in enumerate(many._episode["goal"]):
+    for row, goal in enumerate(many._worlds.episode["goal"]):
         around = np.linspace(-np.pi, np.pi, 64)
         assert many.simulation.map_of(7 + row).cast_rays([[*goal, 0.0]], around, 9.0).min() >= 0.3
     np.testing.assert_array_equal(make(file, task=TASK).reset(seed=8)[0], many.reset(seed=7)[0][1])
