@@ -9,9 +9,7 @@ import numpy.typing as npt
 from pettingzoo import ParallelEnv
 
 from amorsim.contracts import Task
-from amorsim.core.errors import AmorsimError
-from amorsim.learning.pictures import Pictures, goals_in
-from amorsim.learning.vector import RENDER_MODES, SIZE
+from amorsim.learning.pictures import RENDER_MODES, Pictures, check_render_mode, goals_in
 from amorsim.learning.worlds import Worlds
 from amorsim.scenario.spec import Scenario
 from amorsim.simulation.simulation import MAX_REPLICA, Simulation
@@ -34,7 +32,7 @@ class SimulationParallelEnv(ParallelEnv):  # type: ignore[misc]
     dtype
         Of observations and actions: ``"float32"`` or ``"float64"``.
     render_mode
-        None, or ``"rgb_array"``.
+        None, ``"rgb_array"``, or ``"human"``: the Simulator's window, as of `SimulationVectorEnv`.
 
     Raises
     ------
@@ -45,10 +43,7 @@ class SimulationParallelEnv(ParallelEnv):  # type: ignore[misc]
     def __init__(
         self, scenario: Scenario, task: Task, *, dtype: str = "float32", render_mode: str | None = None
     ) -> None:
-        if render_mode not in (None, *RENDER_MODES):
-            raise AmorsimError(
-                f"render_mode: expected None or {' or '.join(map(repr, RENDER_MODES))}, got {render_mode!r}"
-            )
+        check_render_mode(render_mode, 1)
         self.task, self.render_mode = task, render_mode
         self.metadata = {
             "name": "amorsim",
@@ -95,6 +90,7 @@ class SimulationParallelEnv(ParallelEnv):  # type: ignore[misc]
             self._pictures = None
         self._is_begun, self._count = True, 0
         self.agents = list(self.possible_agents)
+        self._show()
         return self._observations(), {agent: {} for agent in self.agents}
 
     def step(
@@ -119,6 +115,7 @@ class SimulationParallelEnv(ParallelEnv):  # type: ignore[misc]
             agent: {"is_success": bool(outcome.is_success[row])} if terminated[agent] or is_late else {}
             for agent, row in acted.items()
         }
+        self._show()
         seen = self._observations()
         self.agents = [agent for agent in acted if not (terminated[agent] or truncated[agent])]
         return seen, {agent: float(outcome.reward[row]) for agent, row in acted.items()}, terminated, truncated, infos
@@ -128,12 +125,20 @@ class SimulationParallelEnv(ParallelEnv):  # type: ignore[misc]
         return self._worlds.privileged().ravel()
 
     def render(self) -> npt.NDArray[np.uint8] | None:
-        """A picture `(height, width, 3)`; None without a ``render_mode``."""
-        if self.render_mode is None:
+        """A picture `(height, width, 3)`; None without pictures."""
+        if self.render_mode != "rgb_array":
             return None
         if self._pictures is None:
-            self._pictures = Pictures(self.simulation, SIZE)
+            self._pictures = Pictures(self.simulation)
         return self._pictures.draw(0, goals_in(self._worlds.episode, slice(None)))
+
+    def close(self) -> None:
+        """Close the window, if there is one."""
+        self._worlds.close()
+
+    def _show(self) -> None:
+        if self.render_mode == "human":
+            self._worlds.show(type(self.task).__name__)
 
     def _taken(self, actions: dict[str, Any]) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.bool_]]:
         """The actions `(1, A, a)`, and who acts `(1, A)`."""

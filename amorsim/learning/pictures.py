@@ -8,12 +8,16 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import State
+from amorsim.core.errors import AmorsimError
 from amorsim.core.shapes import Shape
 from amorsim.render.animation import Animation, Shown
 from amorsim.runs.film import bodies_in, poses_in
 from amorsim.simulation.simulation import Simulation
 
-__all__ = ["Pictures", "goals_in"]
+__all__ = ["RENDER_MODES", "Pictures", "check_render_mode", "goals_in"]
+
+RENDER_MODES = ["rgb_array", "human"]
+_SIZE = 480  # [px] the longer side of a picture
 
 Array = npt.NDArray[np.float64]
 
@@ -27,13 +31,10 @@ class Pictures:
     ----------
     simulation
         Whose replicas are the environments.
-    size
-        Longer side of a picture [px].
     """
 
-    def __init__(self, simulation: Simulation, size: int) -> None:
+    def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
-        self._size = size
         self._bodies = bodies_in(simulation)
         self._drawn: dict[int, tuple[int, Animation]] = {}  # by row: the episode and its frames
 
@@ -46,12 +47,20 @@ class Pictures:
             bodies = [*self._bodies, *([_GOAL] * len(goals))]
             self._drawn[row] = (
                 number,
-                Animation(world, bodies, patches=simulation.scenario.floor.patches, size=self._size),
+                Animation(world, bodies, patches=simulation.scenario.floor.patches, size=_SIZE),
             )
         animation = self._drawn[row][1]
         poses = np.concatenate((poses_in(simulation, row), np.column_stack((goals, np.zeros(len(goals))))))
         animation.add(float(simulation.ticks[row]) * simulation.dt, poses)
         return np.asarray(animation.frame(len(animation) - 1))
+
+
+def check_render_mode(mode: str | None, count: int) -> None:
+    """Raise `AmorsimError` if so many worlds cannot be rendered in a mode."""
+    if mode not in (None, *RENDER_MODES):
+        raise AmorsimError(f"render_mode: expected None or {' or '.join(map(repr, RENDER_MODES))}, got {mode!r}")
+    if mode == "human" and count != 1:
+        raise AmorsimError(f"render_mode: 'human' shows one environment, got {count}; 'rgb_array' shows all")
 
 
 def goals_in(episode: State, rows: Any) -> Array:

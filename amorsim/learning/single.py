@@ -53,9 +53,13 @@ class SimulationEnv(gym.Env[Any, Any]):
         return self._many.simulation
 
     def render(self) -> Any:
-        """A picture `(height, width, 3)`; None without a ``render_mode``."""
+        """A picture `(height, width, 3)`; None without pictures."""
         found = self._many.render()
         return None if found is None else found[0]
+
+    def close(self) -> None:
+        """Close the window, if there is one."""
+        self._many.close()
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Begin an episode: with a seed the first of that seed, without one the next."""

@@ -13,19 +13,17 @@ from gymnasium.vector.utils import batch_space
 
 from amorsim.contracts import Controller, StepOutcome, Task
 from amorsim.core.errors import AmorsimError
-from amorsim.learning.pictures import Pictures, goals_in
+from amorsim.learning.pictures import RENDER_MODES, Pictures, check_render_mode, goals_in
 from amorsim.learning.worlds import Worlds
 from amorsim.scenario.parameter_paths import value_in
 from amorsim.scenario.spec import Scenario
 from amorsim.simulation.simulation import MAX_REPLICA, Simulation
 
-__all__ = ["RENDER_MODES", "SIZE", "SimulationVectorEnv"]
+__all__ = ["SimulationVectorEnv"]
 
 Array = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 
-RENDER_MODES = ["rgb_array"]
-SIZE = 480  # [px] the longer side of a picture
 _LARGE = 1e6  # no true quantity is larger
 
 
@@ -55,8 +53,9 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
     threads
         That share the simulation's work; it does not change the bits.
     render_mode
-        None, or ``"rgb_array"``: `render` returns a picture of each environment, as Gymnasium's `RecordVideo` takes
-        them.
+        None; ``"rgb_array"``: `render` returns a picture of each environment, as Gymnasium's `RecordVideo` takes them;
+        or ``"human"``, of one environment: the Simulator's window opens in the browser and shows each step, not faster
+        than the robot acts. Errors can be set in it while the policy drives.
     controller
         That drives in place of the actions, which do nothing then: to see what it reaches, as `evaluate` does.
     drawn
@@ -91,10 +90,7 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
         self.task = task
         self.num_envs = num_envs
         self._mode = AutoresetMode(autoreset_mode)
-        if render_mode not in (None, *RENDER_MODES):
-            raise AmorsimError(
-                f"render_mode: expected None or {' or '.join(map(repr, RENDER_MODES))}, got {render_mode!r}"
-            )
+        check_render_mode(render_mode, num_envs)
         self.render_mode = render_mode
         self.metadata = {
             "render_modes": RENDER_MODES,
@@ -163,6 +159,7 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
         infos = self._infos(mask)
         if self._drawn_paths:
             infos |= {"drawn": self._drawn(mask), "_drawn": mask.copy()}
+        self._show()
         return self._observations(), infos
 
     def _drawn(self, mask: Bools) -> dict[str, Any]:
@@ -240,6 +237,7 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
             self._count[over] = 0
             self._is_over = np.zeros(self.num_envs, dtype=bool)
             infos |= self._infos(over)
+        self._show()
         return self._observations(), reward, terminated, truncated, infos
 
     def _taken(self, actions: Any) -> Array:
@@ -253,14 +251,22 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
     # ------------------------------------------------------------------------------------------------- what is seen
 
     def render(self) -> tuple[npt.NDArray[np.uint8], ...] | None:
-        """A picture `(height, width, 3)` of each environment; None without a ``render_mode``."""
-        if self.render_mode is None:
+        """A picture `(height, width, 3)` of each environment; None without pictures."""
+        if self.render_mode != "rgb_array":
             return None
         if not self._is_begun:
             raise ValueError("expected reset() before the first picture")
         if self._pictures is None:
-            self._pictures = Pictures(self.simulation, SIZE)
+            self._pictures = Pictures(self.simulation)
         return tuple(self._pictures.draw(row, goals_in(self._worlds.episode, [row])) for row in range(self.num_envs))
+
+    def _show(self) -> None:
+        if self.render_mode == "human":
+            self._worlds.show(type(self.task).__name__)
+
+    def close_extras(self, **_: Any) -> None:
+        """Close the window, if there is one."""
+        self._worlds.close()
 
     def _observations(self) -> Any:
         """Arrays of their own: the next step does not change them."""

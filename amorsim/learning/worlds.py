@@ -5,8 +5,9 @@ All environments are made of these: those of one robot, of agents in one world, 
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import attrs
 import gymnasium as gym
@@ -19,6 +20,9 @@ from amorsim.core.draws import stream_key
 from amorsim.core.errors import AmorsimError
 from amorsim.scenario.spec import Scenario
 from amorsim.simulation.simulation import MAX_REPLICA, Simulation
+
+if TYPE_CHECKING:
+    from amorsim.ui.watch import Watch
 
 __all__ = ["STUDY", "Worlds"]
 
@@ -78,6 +82,10 @@ class Worlds:
         controller: Controller | None = None,
     ) -> None:
         self.task, self.count, self.dtype = task, count, np.dtype(dtype)
+        self._watch: Watch | None = None
+        self._turn: contextlib.AbstractContextManager[Any] = (
+            contextlib.nullcontext()
+        )  # the window's, where there is one
         self._is_driven = controller is None
         driver = Manual() if controller is None else controller
         robots = [attrs.evolve(robot, controller=driver) for robot in scenario.robots]
@@ -119,12 +127,15 @@ class Worlds:
         self._known_of = np.argsort(self._of_known)
         self._action = np.zeros((self.count, len(names), len(self.low)))
         self._begin_task(np.arange(self.count))
+        self._take_window()
 
     def begin_again(self, which: Bools) -> None:
         """Begin the next episodes of some worlds `(W,)`."""
         numbers, worlds = self.simulation.replicas, np.flatnonzero(which)
-        self.simulation.reset(replicas=[numbers[world] for world in worlds.tolist()])
-        self._begin_task(worlds)
+        with self._turn:
+            self.simulation.reset(replicas=[numbers[world] for world in worlds.tolist()])
+            self._begin_task(worlds)
+        self._take_window()
 
     def _begin_task(self, worlds: Ints) -> None:
         robots = len(self.simulation.names)
@@ -147,11 +158,13 @@ class Worlds:
         self._action = np.clip(actions, self.low, self.high)
         if is_on is not None:
             self._action[~is_on] = 0.0
-        if self._is_driven:
-            self._drive(is_on)
-        for _ in range(self._steps_per_action):
-            self.simulation.step()
-        return self.task.judge(self.simulation.truth(), self.episode)
+        step = self.simulation.step if self._watch is None else self._watch.step
+        with self._turn:
+            if self._is_driven:
+                self._drive(is_on)
+            for _ in range(self._steps_per_action):
+                step()
+            return self.task.judge(self.simulation.truth(), self.episode)
 
     def _drive(self, is_on: Bools | None) -> None:
         shape = self._action.shape[:2]
@@ -174,6 +187,37 @@ class Worlds:
         """True quantities for a critic `(W, A, p)`."""
         found = self.task.privileged(self.simulation.truth(), self.episode).astype(self.dtype)
         return found.reshape(self.count, len(self.simulation.names), -1)
+
+    # ---------------------------------------------------------------------------------------------------- the window
+
+    def show(self, name: str) -> None:
+        """Show the one world in the Simulator's window, at most as fast as its robots act; the first call opens it.
+
+        Raises
+        ------
+        AmorsimError
+            If there are several worlds, or the extra ``ui`` is not installed.
+        """
+        if self._watch is None:
+            from amorsim.ui.watch import Watch
+
+            self._watch = Watch(self.simulation, name=name, goal_of=self._goal_of)
+            self._turn = self._watch.lock
+        self._watch.show(self.task.period)
+
+    def _goal_of(self, robot: int) -> Array | None:
+        goal = self.episode.get("goal")
+        return None if goal is None else goal[robot, :2]
+
+    def close(self) -> None:
+        """Close the window, if there is one."""
+        if self._watch is not None:
+            self._watch.close()
+
+    def _take_window(self) -> None:
+        """Let the window show the episode that has begun, whose world may be another one."""
+        if self._watch is not None:
+            self._watch.take(self.simulation)
 
 
 def _whole_steps(time: float, step: float, name: str) -> int:

@@ -92,7 +92,7 @@ def test_what_is_wrong_is_said() -> None:
     with pytest.raises(ValueError, match="seed"):
         agents.reset(seed=-1)
     with pytest.raises(am.AmorsimError, match="render_mode"):
-        env(render_mode="human")
+        env(render_mode="ansi")
     with pytest.raises(am.AmorsimError, match="row by row"):
         agents.simulation.known(["r1", "r0", "r2"])
 

@@ -293,8 +293,8 @@ def test_wrong_tasks_are_refused_in_words() -> None:
         )
     with pytest.raises(am.AmorsimError, match="period: expected a whole number of steps"):
         make_vec(small(), task=PointGoal(period=0.07))
-    with pytest.raises(am.AmorsimError, match="render_mode: expected None or 'rgb_array', got 'human'"):
-        make_vec(small(), task=TASK, render_mode="human")
+    with pytest.raises(am.AmorsimError, match="render_mode: expected None or 'rgb_array' or 'human', got 'ansi'"):
+        make_vec(small(), task=TASK, render_mode="ansi")
 
 
 def test_what_was_drawn_is_in_the_infos_where_asked() -> None:
@@ -313,3 +313,20 @@ def test_what_was_drawn_is_in_the_infos_where_asked() -> None:
     assert infos["drawn"]["_drive.track"].tolist() == infos["_drawn"].tolist() == [False, True, False]
     _, infos = make_vec("amorsim/PointGoal-v0", 2).reset(seed=1)
     assert "drawn" not in infos
+
+
+def test_a_window_shows_one_environment_and_changes_no_bit(monkeypatch: pytest.MonkeyPatch) -> None:
+    opened: list[str] = []
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    seen = []
+    for render_mode in (None, "human"):
+        env = make("amorsim/PointGoal-v0", render_mode=render_mode)
+        first, _ = env.reset(seed=3)
+        seen.append([first, *(env.step(env.action_space.high)[0] for _ in range(3)), env.reset()[0]])
+        assert env.render() is None
+        env.close()
+    for without, watched in zip(*seen, strict=True):
+        assert without.tobytes() == watched.tobytes()
+    assert len(opened) == 1
+    with pytest.raises(am.AmorsimError, match="'human' shows one environment, got 2"):
+        make_vec("amorsim/PointGoal-v0", 2, render_mode="human")

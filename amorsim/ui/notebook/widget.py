@@ -12,11 +12,18 @@ from typing import Any
 from amorsim.core.arguments import checked
 from amorsim.core.errors import AmorsimError
 from amorsim.simulation.simulation import Simulation
-from amorsim.ui.notebook.live import Live
 from amorsim.ui.run_page.single_file import single_file
+from amorsim.ui.simulator.live import Live
 
 __all__ = ["widget"]
 
+_REFUSED = {
+    "reload": "run the cell again that made this widget",
+    "restart": "run the cell again that made this widget",
+    "page": "am.run_page makes a page of a run that am.run has recorded",
+    "save_run": "runs are recorded by am.run; this simulation belongs to the notebook, which may have changed it",
+    "replica": "this is one replica; make another simulation for another one",
+}
 _SCRIPT = Path(__file__).parents[1] / "web" / "notebook" / "widget.js"
 
 
@@ -71,7 +78,7 @@ def _widget_class() -> Any:
 
         def __init__(self, simulation: Simulation, height: int) -> None:
             self.simulation = simulation
-            self._live = Live(simulation, self._send_frame)
+            self._live = Live(simulation, self._send_frame, _REFUSED)
             super().__init__(page=_page(), height=height)
             self.on_msg(self._heard)
 

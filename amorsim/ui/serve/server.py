@@ -151,11 +151,16 @@ def listen(host: str, port: int) -> socket.socket:
 
 
 class _Server(uvicorn.Server):
-    """A server that stops at once on a signal, and does not wait for its windows."""
+    """A server that stops at once on a signal, or when it is told to, and does not wait for its windows."""
 
-    def __init__(self, config: uvicorn.Config, ending: Callable[[], Awaitable[None]]) -> None:
+    def __init__(
+        self, config: uvicorn.Config, ending: Callable[[], Awaitable[None]], closing: asyncio.Event | None
+    ) -> None:
         super().__init__(config)
-        self._ending = ending
+        self._ending, self._closing = ending, closing
+
+    async def on_tick(self, counter: int) -> bool:
+        return await super().on_tick(counter) or (self._closing is not None and self._closing.is_set())
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         ending = asyncio.ensure_future(self._ending())
@@ -174,9 +179,10 @@ async def serve(
     port: int = 0,
     ready: Callable[[Door], None],
     ending: Callable[[], Awaitable[None]] = _nothing,
+    closing: asyncio.Event | None = None,
     longest_message: int = LONGEST_MESSAGE,
 ) -> None:
-    """Serve pages until the process is asked to end.
+    """Serve pages until the process is asked to end, or `closing` is set.
 
     `ready` is given the door, which makes addresses to open the window by; `ending` is awaited as soon as the process
     is asked to. A window's message has `longest_message` bytes at most.
@@ -195,4 +201,4 @@ async def serve(
             ws_max_size=longest_message,
             ws_per_message_deflate=False,  # frames are floats: it would cost more than it saves
         )
-        await _Server(config, ending).serve(sockets=[bound])
+        await _Server(config, ending, closing).serve(sockets=[bound])

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 import amorsim as am
-from amorsim.ui.notebook.live import MOST_IN_FLIGHT, Live
 from amorsim.ui.simulator.frames.packing import FrameFlag, unpack_frame
+from amorsim.ui.simulator.live import MOST_IN_FLIGHT, Live
 from tests import building
 
 
@@ -106,7 +106,7 @@ def test_an_error_that_is_set_is_the_simulation_s() -> None:
 
 
 def test_it_plays_while_the_kernel_sees_to_other_things(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("amorsim.ui.notebook.live.LONGEST_TURN", 0.0)  # a step in each turn
+    monkeypatch.setattr("amorsim.ui.simulator.live.LONGEST_TURN", 0.0)  # a step in each turn
 
     async def play() -> tuple[int, int, Window, am.Simulation]:
         sim = simulation()

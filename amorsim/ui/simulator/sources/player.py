@@ -114,12 +114,15 @@ class Player(Simulated):
         except Exception as error:
             self.fail(fault_of(error))
             return False
+        self._stepped(watched=watched)
+        return True
+
+    def _stepped(self, *, watched: bool) -> None:
         self._newest += 1
         self._write()
         self._keep()
         if watched:
-            self.pasts.keep(simulation, self.watched, self._before)
-        return True
+            self.pasts.keep(self.simulation, self.watched, self._before)
 
     def _look_back(self) -> None:
         self._before = look_back(self.simulation, self.pasts.of_whom(self.watched))

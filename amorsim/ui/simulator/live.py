@@ -1,7 +1,7 @@
-"""A simulation of this very process, played for a window: the one that a notebook's next cell sees.
+"""A simulation of this very process, shown in a window: that of a notebook's cells, or of a program's own loop.
 
-The window of `amorsim view` plays a simulation in a process of its own. Here it is the notebook's object, and both use
-it in turn: while a cell runs the window waits, and what a cell does to the simulation the window shows afterwards.
+The window of `amorsim view` plays a simulation in a process of its own. Here it is an object of a notebook or a
+program, and both use it in turn: while a cell runs the window waits, and shows afterwards what the cell did.
 """
 
 from __future__ import annotations
@@ -31,14 +31,6 @@ LONGEST_WAIT = 1.0  # [s] for a window to get it: then it has gone
 LEAST_BETWEEN_FRAMES = 0.025  # [s]
 LONGEST_TURN = 0.02  # [s] of steps, between which the kernel sees to its messages
 LONGEST_SLEEP = 0.05  # [s]
-_ELSEWHERE = {
-    "reload": "run the cell again that made this widget",
-    "restart": "run the cell again that made this widget",
-    "page": "am.run_page makes a page of a run that am.run has recorded",
-    "save_run": "runs are recorded by am.run; this simulation belongs to the notebook, which may have changed it",
-    "replica": "this is one replica; make another simulation for another one",
-}
-
 Table = Mapping[str, Any]
 
 
@@ -59,6 +51,12 @@ class _InPlace(Player):
         nearest = self.snapshots.before(self.simulation.tick)
         self._start = None if nearest is None else nearest[1]
 
+    def step_or_raise(self) -> None:
+        """Make a step; what fails is raised, as by the simulation itself."""
+        self._look_back()
+        self.simulation.step()
+        self._stepped(watched=True)
+
 
 class Live:
     """Plays a simulation for windows that send commands and are sent frames.
@@ -69,9 +67,39 @@ class Live:
         Of one replica.
     send_frame
         Called with each frame for all windows.
+    refused
+        Commands that this simulation does not carry out, each with the reason, for the user.
+
+    Raises
+    ------
+    AmorsimError
+        If the simulation has several replicas.
     """
 
-    def __init__(self, simulation: Simulation, send_frame: Callable[[bytes], None]) -> None:
+    def __init__(
+        self,
+        simulation: Simulation,
+        send_frame: Callable[[bytes], None],
+        refused: Mapping[str, str] | None = None,
+    ) -> None:
+        self._send_frame = send_frame
+        self._refused = refused or {}
+        self._version = 0
+        self._windows: dict[str, int] = {}  # how many frames are on their way to each
+        self._robot = 0
+        self._number = 0
+        self._last_frame = -LONGEST_WAIT
+        self._is_stale = True  # whether something has changed since the last frame
+        self._playing: asyncio.Task[None] | None = None
+        self.take(simulation)
+
+    @property
+    def simulation(self) -> Simulation:
+        """The simulation that is shown."""
+        return self._player.simulation
+
+    def take(self, simulation: Simulation) -> None:
+        """Show another simulation, or the same one in another world, from where it is."""
         if len(simulation.replicas) > 1:
             raise AmorsimError(
                 f"expected a simulation of one replica, got one of {len(simulation.replicas)}: "
@@ -80,14 +108,17 @@ class Live:
         self._player = _InPlace(simulation)
         self._player.begin_here()
         self._tick = simulation.tick  # where this has left it
-        self._does = Commands(self._player, SceneBuilder(simulation))
-        self._send_frame = send_frame
-        self._windows: dict[str, int] = {}  # how many frames are on their way to each
-        self._robot = 0
-        self._number = 0
-        self._last_frame = -LONGEST_WAIT
-        self._is_stale = True  # whether something has changed since the last frame
-        self._playing: asyncio.Task[None] | None = None
+        self._version += 1  # so that windows ask for the new scene
+        self._does = Commands(self._player, SceneBuilder(simulation, self._version))
+        self._robot = min(self._robot, len(self._player.names) - 1)
+        self._is_stale = True
+
+    def step(self) -> None:
+        """Make a step for the program that this simulation belongs to; errors are raised as by its own `step`."""
+        self._player.watched = (self._robot,)
+        self._player.step_or_raise()
+        self._tick = self.simulation.tick
+        self._is_stale = True
 
     # ------------------------------------------------------------------------------------------------------ commands
 
@@ -127,8 +158,8 @@ class Live:
 
     def _carry_out(self, window: str, command: Table) -> dict[str, Any]:
         name = command["do"]
-        if name in _ELSEWHERE:
-            raise AmorsimError(_ELSEWHERE[name])
+        if name in self._refused:
+            raise AmorsimError(self._refused[name])
         if name == "scene":
             return {"ok": True, "scene": self._does.scene}
         if name == "controls":
