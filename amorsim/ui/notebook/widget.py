@@ -15,9 +15,9 @@ from amorsim.simulation.simulation import Simulation
 from amorsim.ui.run_page.single_file import single_file
 from amorsim.ui.simulator.live import Live
 
-__all__ = ["widget"]
+__all__ = ["REFUSED", "widget"]
 
-_REFUSED = {
+REFUSED = {
     "reload": "run the cell again that made this widget",
     "restart": "run the cell again that made this widget",
     "page": "am.run_page makes a page of a run that am.run has recorded",
@@ -78,7 +78,7 @@ def _widget_class() -> Any:
 
         def __init__(self, simulation: Simulation, height: int) -> None:
             self.simulation = simulation
-            self._live = Live(simulation, self._send_frame, _REFUSED)
+            self._live = Live(simulation, self._send_frame, REFUSED)
             super().__init__(page=_page(), height=height)
             self.on_msg(self._heard)
 

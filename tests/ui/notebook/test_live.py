@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 import amorsim as am
+from amorsim.ui.notebook.widget import REFUSED
 from amorsim.ui.simulator.frames.packing import FrameFlag, unpack_frame
 from amorsim.ui.simulator.live import MOST_IN_FLIGHT, Live
 from tests import building
@@ -23,7 +24,7 @@ class Window:
 
     def __init__(self, sim: am.Simulation) -> None:
         self.frames: list[bytes] = []
-        self.live = Live(sim, self.frames.append)
+        self.live = Live(sim, self.frames.append, REFUSED)
         self.live.open_window("w")
 
     def ask(self, do: str, **more: Any) -> dict[str, Any]:
