@@ -10,7 +10,7 @@ import os
 import sys
 import types
 import typing
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeGuard, TypeVar, cast
 
@@ -36,6 +36,7 @@ __all__ = [
 
 Array = npt.NDArray[np.float64]
 F = TypeVar("F", bound=Callable[..., Any])
+Test = Callable[[Any], bool]
 
 _MOST = 1000  # elements of a list that are looked at
 
@@ -65,15 +66,17 @@ def _checked(function: Callable[..., Any], module: str) -> Callable[..., Any]:
         name for name, one in parameters.items() if one.kind in (one.POSITIONAL_ONLY, one.POSITIONAL_OR_KEYWORD)
     ]
     kinds: dict[str, Any] = {}
+    tests: dict[str, Test] = {}
 
     @functools.wraps(function)
     def call(*args: Any, **kwargs: Any) -> Any:
-        if not kinds:  # at the first call, for a module may name classes that it imports later
+        if not tests:  # at the first call, for a module may name classes that it imports later
             kinds.update({name: _kind_of(one, module) for name, one in parameters.items()})
+            tests.update({name: _test_of(kind) for name, kind in kinds.items()})
         # What is given too often or not at all the function refuses by itself.
         for name, value in (*zip(in_order, args, strict=False), *kwargs.items()):
-            if not _fits(value, kinds.get(name, Any)):
-                as_list = f", as [{in_words(value)}]" if isinstance(value, str) and _fits([value], kinds[name]) else ""
+            if name in tests and not tests[name](value):
+                as_list = f", as [{in_words(value)}]" if isinstance(value, str) and tests[name]([value]) else ""
                 raise ParameterError(name, f"expected {_in_words(kinds[name])}{as_list}, got {in_words(value)}")
         return function(*args, **kwargs)
 
@@ -92,42 +95,48 @@ def _kind_of(parameter: inspect.Parameter, module: str) -> Any:
         return Any
 
 
-def _fits(value: object, kind: Any) -> bool:
-    """Whether a value fits an annotation."""
+def _test_of(kind: Any) -> Test:
+    """The test whether a value fits an annotation, made once for all calls."""
     origin, inner = typing.get_origin(kind), typing.get_args(kind)
     if kind is Any or kind is object or isinstance(kind, TypeVar):
-        return True
+        return lambda _: True
     if kind is None or kind is types.NoneType:
-        return value is None
+        return lambda value: value is None
     if _is_array(kind):
-        return is_numeric(value)
+        return is_numeric
     if origin in (typing.Union, types.UnionType):
-        return any(_fits(value, each) for each in inner)
+        tests = [_test_of(each) for each in inner]
+        return lambda value: any(test(value) for test in tests)
     if origin is Literal:
-        return isinstance(value, (str, int)) and value in inner
+        return lambda value: isinstance(value, (str, int)) and value in inner
     if origin is Annotated:
-        return _fits(value, inner[0])
+        return _test_of(inner[0])
     if kind is float:
-        return _is_number(value)
+        return _is_number
     if kind is int:
-        return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+        return lambda value: isinstance(value, (int, np.integer)) and not isinstance(value, bool)
     if kind is bool:
-        return isinstance(value, (bool, np.bool_))
-    if origin is tuple:
-        return _are_fitting(value, inner) if inner[-1] is not ... else _is_list_of(value, inner[0], again=True)
-    if origin in (collections.abc.Sequence, collections.abc.Iterable, collections.abc.Collection, list):
-        return _is_list_of(value, inner[0], again=origin is not collections.abc.Iterable)
+        return lambda value: isinstance(value, (bool, np.bool_))
+    if origin is tuple and inner[-1] is not ...:
+        parts = [_test_of(each) for each in inner]
+        return lambda value: _are_fitting(value, parts)
+    if origin in (tuple, collections.abc.Sequence, collections.abc.Iterable, collections.abc.Collection, list):
+        element, is_once = _test_of(inner[0]), origin is collections.abc.Iterable
+        return lambda value: _is_list_of(value, element, again=not is_once)
     if origin in (collections.abc.Mapping, dict):
-        return isinstance(value, origin) and all(
-            _fits(key, inner[0]) and _fits(each, inner[1])
-            for _, (key, each) in zip(range(_MOST), value.items(), strict=False)
+        first, second = map(_test_of, inner)
+        return lambda value: (
+            isinstance(value, origin)
+            and all(first(key) and second(each) for _, (key, each) in zip(range(_MOST), value.items(), strict=False))
         )
     if origin is collections.abc.Callable:
-        return callable(value)
+        return callable
     if origin is type:
-        return inspect.isclass(value)
-    kind = origin or kind
-    return not inspect.isclass(kind) or getattr(kind, "_is_protocol", False) or isinstance(value, kind)
+        return inspect.isclass
+    wanted = origin or kind
+    if not inspect.isclass(wanted) or getattr(wanted, "_is_protocol", False):
+        return lambda _: True
+    return lambda value: isinstance(value, wanted)
 
 
 def _is_array(kind: Any) -> bool:
@@ -150,16 +159,16 @@ def is_numeric(value: object) -> bool:
         return False
 
 
-def _is_list_of(value: object, kind: Any, *, again: bool) -> bool:
+def _is_list_of(value: object, test: Test, *, again: bool) -> bool:
     """Whether it is a list or another iterable, with `again` one that can be iterated twice; a text is none.
 
-    The first elements must be of a kind, unless it can be gone through only once.
+    The first elements must pass a test, unless it can be gone through only once.
     """
     if not is_list(value):
         return False
     if not isinstance(value, collections.abc.Sized):
         return not again
-    return all(_fits(each, kind) for _, each in zip(range(_MOST), value, strict=False))
+    return all(test(each) for _, each in zip(range(_MOST), value, strict=False))
 
 
 def is_list(value: object) -> TypeGuard[Iterable[Any]]:
@@ -169,13 +178,14 @@ def is_list(value: object) -> TypeGuard[Iterable[Any]]:
     return isinstance(value, Iterable) and not isinstance(value, (str, bytes, Mapping))
 
 
-def _are_fitting(value: object, kinds: tuple[Any, ...]) -> bool:
+def _are_fitting(value: object, tests: Sequence[Test]) -> bool:
+    """Whether it is a list of so many elements, each of which passes its test."""
     if not isinstance(value, (collections.abc.Sequence, np.ndarray)) or isinstance(value, (str, bytes)):
         return False
     return (
-        np.shape(value)[:1] == (len(kinds),)
+        np.shape(value)[:1] == (len(tests),)
         if isinstance(value, np.ndarray)
-        else len(value) == len(kinds) and all(map(_fits, value, kinds))
+        else len(value) == len(tests) and all(test(each) for test, each in zip(tests, value, strict=True))
     )
 
 

@@ -14,14 +14,18 @@ __all__ = ["interrupt_main", "raise_interrupt"]
 
 RETRY = 0.02  # [s] until a signal that came in the compiler's library is sent again
 _LIBRARY = "llvmlite"
+_pending: list[threading.Timer] = []  # which will send it again: at most one, however often Ctrl-C was pressed
 
 
 def raise_interrupt(_: int, frame: FrameType | None) -> None:
     """Raise `KeyboardInterrupt`, at once or as soon as the compiler's library has returned; a handler of SIGINT."""
+    while _pending:
+        _pending.pop().cancel()
     if not _is_in_library(frame):
         raise KeyboardInterrupt
     again = threading.Timer(RETRY, interrupt_main)
     again.daemon = True
+    _pending.append(again)
     again.start()
 
 

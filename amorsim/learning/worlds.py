@@ -95,7 +95,7 @@ class Worlds:
         self.low, self.high = task.action_bounds
         self.begin(range(count))
         self.agents = list(self.simulation.names)
-        robot = self.simulation.known(self._known_names).robot
+        robot = self.simulation.known(self._whose).robot
         kind = self.dtype.type
         low, high = (bound.astype(kind) for bound in task.bounds(robot))
         self.action_space = gym.spaces.Box(self.low.astype(kind), self.high.astype(kind), dtype=kind)
@@ -117,14 +117,16 @@ class Worlds:
         numbers = [int(one) for one in seeds]
         self.simulation = Simulation(self._scenario, seed=STUDY, replicas=numbers, threads=self._threads)
         names, frames = self.simulation.names, self.simulation.frames()
-        self._known_names = list(frames[0].names)
-        if len(frames) > 1 or len(self._known_names) != len(names) * self.count:
+        rows = list(frames[0].names)
+        if len(frames) > 1 or len(rows) != len(names) * self.count:
             raise AmorsimError(f"expected robots that are alike, got others: {', '.join(names)}")
+        self._whose = names[0] if len(names) == 1 else rows
         world = {number: place for place, number in enumerate(numbers)}
         place = [world[int(number)] * len(names) for number in frames[0].replica]
         # Where each row of what robots know is in the order of worlds and names, which all arrays here have, and back.
-        self._of_known = np.array(place) + [names.index(name) for name in self._known_names]
+        self._of_known = np.array(place) + [names.index(name) for name in rows]
         self._known_of = np.argsort(self._of_known)
+        self._is_in_order = bool((self._of_known == np.arange(len(rows))).all())
         self._action = np.zeros((self.count, len(names), len(self.low)))
         self._begin_task(np.arange(self.count))
         self._take_window()
@@ -177,11 +179,15 @@ class Worlds:
 
     def observe(self) -> npt.NDArray[Any]:
         """The observations `(W, A, k)`, arrays of their own."""
-        known = self.simulation.known(self._known_names)
-        of_known, flat = self._of_known, self._action.reshape(-1, len(self.low))
-        episode = {name: array[of_known] for name, array in self.episode.items()}
-        seen = self.task.observe(Observable(*known, flat[of_known]), episode).astype(self.dtype)
-        return seen[self._known_of].reshape(self.count, len(self.simulation.names), -1)
+        known = self.simulation.known(self._whose)
+        action, episode = self._action.reshape(-1, len(self.low)), self.episode
+        if not self._is_in_order:
+            action = action[self._of_known]
+            episode = {name: array[self._of_known] for name, array in episode.items()}
+        seen = self.task.observe(Observable(*known, action), episode).astype(self.dtype)
+        if not self._is_in_order:
+            seen = seen[self._known_of]
+        return seen.reshape(self.count, len(self.agents), -1)
 
     def privileged(self) -> npt.NDArray[Any]:
         """True quantities for a critic `(W, A, p)`."""
