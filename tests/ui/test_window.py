@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import http.server
 import re
 import threading
@@ -366,6 +367,45 @@ def test_picture_and_gif_of_the_view(window: Window, tmp_path: Path) -> None:
     saved.value.save_as(tmp_path / "view.gif")
     with Image.open(tmp_path / "view.gif") as film:
         assert film.n_frames >= 2
+
+
+@pytest.mark.long
+def test_a_video_of_the_view(window: Window, tmp_path: Path) -> None:
+    """The browser itself makes it; it plays it too, from its beginning to its end."""
+    page = window.page
+    window.do(do="run")
+    page.click("button:text-is('video')")
+    assert page.is_disabled("button:text-is('GIF')")
+    window.until("saving.film.frames.length >= 2")  # a second each
+    with page.expect_download() as saved:
+        page.click("button:text-is('stop video')")
+    assert saved.value.suggested_filename.endswith(".mp4")
+    saved.value.save_as(tmp_path / "view.mp4")
+    made = (tmp_path / "view.mp4").read_bytes()
+    assert made[4:8] == b"ftyp"
+    player = page.context.new_page()
+    seconds, width, height = player.evaluate(
+        """async (data) => {
+            const bytes = Uint8Array.from(atob(data), (letter) => letter.charCodeAt(0));
+            const kind = "video/mp4";
+            const video = document.createElement("video");
+            const shown = new Promise((done, fail) => {
+                video.addEventListener("loadedmetadata", done);
+                video.addEventListener("error", () => fail(video.error.message));
+            });
+            video.src = URL.createObjectURL(new Blob([bytes], { type: kind }));
+            await shown;
+            video.currentTime = 1e6;
+            await new Promise((done) => video.addEventListener("seeked", done));
+            return [video.currentTime, video.videoWidth, video.videoHeight];
+        }""",
+        base64.b64encode(made).decode(),
+    )
+    player.close()
+    assert seconds > 1.0
+    assert width > 900
+    assert width % 2 == height % 2 == 0
+    assert not page.is_disabled("button:text-is('GIF')")
 
 
 # ------------------------------------------------------------------------------------------------------ several windows

@@ -1,7 +1,15 @@
-// A picture and a moving picture of the view: the panes as they are drawn, side by side.
+// A picture, a GIF and a video of the view: the panes as they are drawn, side by side.
 
 const MOST_FRAMES = 300;
 const GIF_WIDTH = 900;
+const VIDEO_WIDTH = 1920;
+const VIDEO_BITS = 8e6; // a second
+const VIDEO_EVERY = 40; // milliseconds
+
+/** The kind of video that this browser can make: MP4 where it can, which every player and presentation shows. */
+export const VIDEO = ["video/mp4;codecs=avc1.42E01F", "video/mp4", "video/webm"].find((kind) =>
+  globalThis.MediaRecorder?.isTypeSupported(kind),
+);
 
 /** The panes that are shown, side by side on one canvas, at most so many pixels wide. */
 export function compose(canvases, theme, widest = Infinity) {
@@ -70,5 +78,50 @@ export class Film {
     const said = await fetch(`/amorsim/gif?every=${this.every}`, { method: "POST", body: new Blob(parts) });
     if (!said.ok) throw new Error(await said.text());
     return said.blob();
+  }
+}
+
+/** Records the view as a video until it is stopped; the browser makes it as the view is drawn. */
+export class Video {
+  /**
+   * @param {HTMLCanvasElement[]} canvases
+   * @param {() => any} theme
+   */
+  constructor(canvases, theme) {
+    this.canvases = canvases;
+    this.theme = theme;
+    this.last = -Infinity;
+    /** @type {Blob[]} */
+    this.frames = []; // parts of the file
+    const first = compose(canvases, theme(), VIDEO_WIDTH);
+    this.canvas = document.createElement("canvas");
+    this.canvas.width = first.width - (first.width % 2); // H.264 needs even numbers of pixels
+    this.canvas.height = first.height - (first.height % 2);
+    this.recorder = new MediaRecorder(this.canvas.captureStream(), { mimeType: VIDEO, videoBitsPerSecond: VIDEO_BITS });
+    this.recorder.addEventListener("dataavailable", ({ data }) => this.frames.push(data));
+    this.recorder.start(1000);
+  }
+
+  /** Called after each drawing.
+   * @param {number} now */
+  look(now) {
+    if (now - this.last < VIDEO_EVERY - 5) return;
+    this.last = now;
+    const view = compose(this.canvases, this.theme(), VIDEO_WIDTH);
+    // A view that was made larger meanwhile is fitted in.
+    const { width, height } = this.canvas;
+    const scale = Math.min(width / view.width, height / view.height, 1);
+    const context = this.canvas.getContext("2d", { alpha: false });
+    context.fillStyle = this.theme().line;
+    context.fillRect(0, 0, width, height);
+    context.drawImage(view, 0, 0, view.width * scale, view.height * scale);
+  }
+
+  /** The video. */
+  async finish() {
+    const stopped = new Promise((done) => this.recorder.addEventListener("stop", done));
+    this.recorder.stop();
+    await stopped;
+    return new Blob(this.frames, { type: VIDEO });
   }
 }

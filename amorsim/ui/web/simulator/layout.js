@@ -1,5 +1,6 @@
 // The window's elements, as they stand; `simulator.js` gives them life.
 
+import { VIDEO } from "../shared/capture.js";
 import { h } from "../shared/dom.js";
 import { Arrangement } from "./arrangement.js";
 
@@ -56,6 +57,7 @@ export function build({ stage, timebar, driving, form, replay, futures, fleet })
       make("page", h("button", { class: "server-only", title: "this run as one file, which plays in any browser without amorsim" }, "page")),
       make("picture", h("button", { title: "a picture of the view" }, "picture")),
       make("film", h("button", { class: "server-only", title: "record the view as a GIF", "aria-pressed": "false" }, "GIF")),
+      make("video", h("button", { hidden: !VIDEO, title: "record the view as a video", "aria-pressed": "false" }, "video")),
       make("asAtFirst", h("button", { class: "icon", hidden: true, "aria-label": "panels as at first", title: "panels as at first" }, "⊞")),
       make("lecture", h("button", { "aria-pressed": "false", title: "large, for a class (C)" }, "lecture")),
       make("theme", h("button", { class: "icon", "aria-label": "light or dark (L)", title: "light or dark (L)" }, "◐")),

@@ -1,6 +1,6 @@
 // What of the window is kept: the run, the scenario with its present parameters, a picture, a film.
 
-import { Film, download, savePicture } from "../shared/capture.js";
+import { Film, VIDEO, Video, download, savePicture } from "../shared/capture.js";
 import { askName } from "../shared/dialogs.js";
 import { say } from "../shared/dom.js";
 
@@ -8,7 +8,7 @@ export class Saving {
   /** @param {import("./simulator.js").Simulator} simulator */
   constructor(simulator) {
     this.simulator = simulator;
-    /** @type {Film | null} */
+    /** @type {Film | Video | null} */
     this.film = null; // while one is recorded
   }
 
@@ -62,25 +62,30 @@ export class Saving {
     this.film?.look(now);
   }
 
-  async toggleFilm() {
+  /** Begin to record the view, or end and keep it.
+   * @param {"film" | "video"} kind */
+  async toggle(kind) {
     const { stage, parts } = this.simulator;
-    if (!this.film) {
-      this.film = new Film(stage.canvases, () => stage.theme);
-      parts.film.setAttribute("aria-pressed", "true");
-      say(parts.film, "stop GIF");
+    const { button, name, ending } =
+      kind === "film"
+        ? { button: parts.film, name: "GIF", ending: "gif" }
+        : { button: parts.video, name: "video", ending: VIDEO.startsWith("video/mp4") ? "mp4" : "webm" };
+    const taken = this.film;
+    button.setAttribute("aria-pressed", String(!taken));
+    say(button, taken ? name : `stop ${name}`);
+    (kind === "film" ? parts.video : parts.film).disabled = !taken;
+    if (!taken) {
+      this.film = new (kind === "film" ? Film : Video)(stage.canvases, () => stage.theme);
       return;
     }
-    const taken = this.film;
     this.film = null;
-    parts.film.setAttribute("aria-pressed", "false");
-    say(parts.film, "GIF");
-    if (!taken.frames.length) {
+    if (taken.last < 0) {
       this.simulator.hint("Nothing was drawn meanwhile.");
       return;
     }
-    this.simulator.hint("The GIF is being made.");
+    this.simulator.hint(`The ${name} is being made.`);
     try {
-      download(await taken.finish(), `${this.fileName}.gif`);
+      download(await taken.finish(), `${this.fileName}.${ending}`);
     } catch (problem) {
       this.simulator.hint(String(problem.message ?? problem));
     }

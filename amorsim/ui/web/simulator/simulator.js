@@ -471,7 +471,8 @@ export class Simulator {
     parts.page.addEventListener("click", () => this.saving.page());
     parts.saveScenario.addEventListener("click", () => this.saving.scenario());
     parts.picture.addEventListener("click", () => this.saving.picture());
-    parts.film.addEventListener("click", () => this.saving.toggleFilm());
+    parts.film.addEventListener("click", () => this.saving.toggle("film"));
+    parts.video.addEventListener("click", () => this.saving.toggle("video"));
     listenToKeys(this);
     setInterval(() => !document.hidden && this.connection.isOpen && this.askState(), STATE_EVERY);
   }
