@@ -67,3 +67,17 @@ def test_a_question_mark_opens_the_manual_of_a_component(browser: Any, tmp_path:
         expect(manual).to_have_count(0)
     finally:
         editor.close()
+
+
+@pytest.mark.long
+def test_parts_of_a_running_robot_have_their_manuals(window: Window) -> None:
+    page = window.page
+    page.get_by_role("button", name="? differential").click()
+    manual = page.get_by_role("dialog", name="drive differential")
+    expect(manual).to_contain_text("Two driven wheels on one axle")
+    expect(manual.get_by_role("rowheader", name="track", exact=True)).to_be_visible()
+    assert axe_violations(page) == []
+    page.keyboard.press("Escape")
+    expect(manual).to_have_count(0)
+    said = window.ask(do="manual", kind="drive", name="nothing")
+    assert "with a manual" in said["error"]

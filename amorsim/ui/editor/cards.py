@@ -1,4 +1,4 @@
-"""What can be chosen, explained: cards of a gallery with a picture and a sentence, and manuals of components."""
+"""What can be chosen, explained: cards of a gallery with a picture and a sentence."""
 
 from __future__ import annotations
 
@@ -6,14 +6,13 @@ import base64
 from pathlib import Path
 from typing import TypedDict
 
-from amorsim.analysis.reference import FILES, manual_parts
 from amorsim.core.errors import AmorsimError
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.documents.document import Document, open_document
 from amorsim.ui.scene.still import StillBuilder
 from amorsim.ui.scene.wire import Still
 
-__all__ = ["KINDS", "Card", "Manual", "card_of", "manual_of", "sentence_of"]
+__all__ = ["KINDS", "Card", "card_of", "sentence_of"]
 
 # The kinds of what a card shows, each with the text of a scenario that has nothing else.
 _ALONE = {
@@ -57,28 +56,6 @@ def card_of(kind: str, name: str, folder: Path, registry: Registry) -> Card:
         if shape["image"] is not None and shape["segments"] is None
     }
     return {"still": builder.still, "pictures": pictures, "sentence": sentence}
-
-
-class Manual(TypedDict):
-    """What a component is, in paragraphs; of each field its name in files, value, default and meaning."""
-
-    text: str
-    fields: list[tuple[str, str, str, str]]
-
-
-def manual_of(kind: str, name: str, registry: Registry) -> Manual:
-    """The manual of a component that is registered.
-
-    Raises
-    ------
-    AmorsimError
-        If there is none of that name.
-    """
-    entries = [entry for entry in registry.entries(kind) if entry.name == name and kind not in FILES]
-    if not entries:
-        raise AmorsimError(f"there is no {kind.replace('_', ' ')} {name!r} with a manual")
-    text, fields = manual_parts(registry, entries[0])
-    return {"text": text, "fields": fields}
 
 
 def sentence_of(text: str) -> str:

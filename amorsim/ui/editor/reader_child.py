@@ -20,9 +20,10 @@ from amorsim.plugins.manager import default_registry
 from amorsim.scenario.documents.document import Document
 from amorsim.scenario.programs.code_check import check_code
 from amorsim.scenario.reading.partial import Partial
-from amorsim.ui.editor.cards import card_of, manual_of
+from amorsim.ui.editor.cards import card_of
 from amorsim.ui.editor.looking import CODE_LIMIT, Seen, look, placed
 from amorsim.ui.editor.storage.keeping import picture_of, save_model, write_world
+from amorsim.ui.forms.manuals import manual_of
 
 __all__ = ["main"]
 

@@ -24,7 +24,7 @@ from amorsim.ui.forms.origins import Origins
 from amorsim.ui.forms.sliders import slider_of
 from amorsim.ui.simulator.frames.protocol import ParameterForm
 
-__all__ = ["forms_of", "value_at"]
+__all__ = ["forms_of", "places_of", "value_at"]
 
 _NUMBERS = ("scale", "add", "value")  # of a deviation
 _AT_START = "It is used when an episode starts, and set when the simulation is made."
@@ -40,6 +40,11 @@ def forms_of(simulation: Simulation, name: str, origins: Origins | None = None) 
         if origins is not None:
             form["origin"], form["source"] = origins.of(specified, form["path"], form["scenario"])
     return made
+
+
+def places_of(robot: Robot) -> list[tuple[str, Any]]:
+    """The parts of a robot, each with its path in the robot; a sensor has that of its unit."""
+    return [(place.path, place.thing) for place in _all_places(robot)]
 
 
 def value_at(robot: Robot, path: str) -> Any:

@@ -8,7 +8,8 @@ import pytest
 
 import amorsim as am
 from amorsim.plugins.manager import default_registry
-from amorsim.ui.editor.cards import KINDS, card_of, manual_of, sentence_of
+from amorsim.ui.editor.cards import KINDS, card_of, sentence_of
+from amorsim.ui.forms.manuals import components_of, manual_of
 
 REGISTRY = default_registry()
 EVERYTHING = [
@@ -69,3 +70,13 @@ def test_a_manual_has_what_it_is_and_its_fields_as_in_files() -> None:
     for kind, name in (("controller", "nothing"), ("robot", "pioneer2dx"), ("colour", "red")):
         with pytest.raises(am.AmorsimError, match="with a manual"):
             manual_of(kind, name, REGISTRY)
+
+
+def test_the_parts_of_a_robot_have_the_names_that_they_are_registered_by() -> None:
+    (robot,) = am.load("demo").robots
+    found = components_of(robot, REGISTRY)
+    assert found["drive"] == ("drive", "differential")
+    assert found["sensors.laser"] == ("sensor", "laser")
+    assert found["controller"] == ("controller", "wander")
+    assert {kind for path, (kind, _) in found.items() if ".noise." in path} == {"noise"}
+    assert "initial_belief" not in found

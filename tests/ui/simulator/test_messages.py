@@ -26,6 +26,7 @@ GOOD: list[dict[str, Any]] = [
     {"do": "history", "robot": "rover", "max_points": 3000},
     {"do": "events", "after": 12},
     {"do": "image", "name": "map-0"},
+    {"do": "manual", "kind": "drive", "name": "differential"},
     {"do": "controls", "want": "give", "to": "window"},
     {"do": "step", "steps": 1000},
     {"do": "speed", "factor": None},

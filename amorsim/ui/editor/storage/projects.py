@@ -68,7 +68,7 @@ class Projects:
                 asked = {"kind": kind, "name": name, "folder": work.folder}
                 return {"ok": True, **await asyncio.to_thread(self._bench.ask, "card", **asked)}
             case {"do": "manual", "kind": str(kind), "name": str(name)}:
-                return {"ok": True, **await asyncio.to_thread(self._bench.ask, "manual", kind=kind, name=name)}
+                return {"ok": True, "manual": await asyncio.to_thread(self._bench.ask, "manual", kind=kind, name=name)}
             case {"do": "zip"}:
                 return {"ok": True, "zip": await asyncio.to_thread(self._zip)}
             case {"do": "picture", "kind": "png" | "svg" as kind}:

@@ -104,6 +104,7 @@ COMMANDS: Mapping[str, Command] = {
     "parameters": Command(may=_OF_ROBOT, asks=True),
     "history": Command(may={**_OF_ROBOT, "max_points": whole(1, MOST_POINTS)}, asks=True),
     "events": Command(may={"after": whole(0)}, asks=True),
+    "manual": Command(needs={"kind": _NAME, "name": _NAME}, asks=True),  # of a component
     "image": Command(needs={"name": _NAME}, asks=True),
     "mapped": Command(may=_OF_ROBOT, asks=True),
     "intended": Command(may=_OF_ROBOT, asks=True),

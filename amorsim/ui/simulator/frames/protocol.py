@@ -10,7 +10,8 @@ table with ``ok``, and where that is false with ``error``, a text for the user. 
 | ``state`` | `State` |
 | ``scene`` | ``scene``: a `Scene` |
 | ``parameters`` | ``parameters``: list of `ParameterForm`, ``chains``: list of `ChainForm`, ``targets``: list of \
-`TargetForm`, ``sensors``: list of `SensorShape`, true |
+`TargetForm`, ``sensors``: list of `SensorShape`, true, ``components``: kind and name of what a part is, by its path |
+| ``manual`` | ``manual``: `Manual` |
 | ``noises`` | ``choices``: list of `Choice` |
 | ``add`` | ``path`` of the element |
 | ``history`` | `History` |

@@ -10,11 +10,13 @@ from typing import Any
 import numpy as np
 
 from amorsim.core.errors import AmorsimError
+from amorsim.plugins.manager import default_registry
 from amorsim.scenario.reading.chains import chain_at, is_chain, tables_of
 from amorsim.scenario.spec import Robot
 from amorsim.ui.forms.chains import chains_of, noises_for, targets_of, with_element, without
 from amorsim.ui.forms.json_values import deviation_of, number_of, plain
 from amorsim.ui.forms.live import forms_of, value_at
+from amorsim.ui.forms.manuals import components_of, manual_of
 from amorsim.ui.forms.origins import Origins
 from amorsim.ui.scene.drawn_robots import sensor_shapes
 from amorsim.ui.scene.wire import Scene
@@ -61,6 +63,7 @@ class Commands(Watching):
             "set": self._set,
             "restore": self._restore,
             "noises": self._noises,
+            "manual": lambda command: {"manual": manual_of(command["kind"], command["name"], default_registry())},
             "add": self._add,
             "remove": self._remove,
             "changes": self._all_changes,
@@ -92,6 +95,7 @@ class Commands(Watching):
             "parameters": forms_of(simulation, robot, self._origins),
             "chains": chains_of(handle.nominal, self._specified(robot)),
             "targets": targets_of(handle.nominal),
+            "components": components_of(handle.nominal, default_registry()),
             "sensors": sensor_shapes(handle.true),
         }
 

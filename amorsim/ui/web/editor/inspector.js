@@ -2,8 +2,8 @@
 
 import { h, say } from "../shared/dom.js";
 import { makeField } from "../shared/fields.js";
+import { manualButton } from "../shared/manual.js";
 import { shapeOf } from "../shared/nested_fields.js";
-import { manualButton } from "./manual.js";
 import { holdSensor } from "./mounting.js";
 import { drawing, more, reordering } from "./more.js";
 import { reshaping } from "./reshape.js";
@@ -217,7 +217,7 @@ export class Inspector {
       else await page.edit(`choose ${value} as ${what}`, [{ op: "set", path: `${path}.use`, value }]);
       select.value = use.value;
     });
-    const about = MANUALS.includes(use.kind) && use.value && !use.value.includes(":") ? [manualButton(page, use.kind, use.value)] : [];
+    const about = MANUALS.includes(use.kind) && use.value && !use.value.includes(":") ? [manualButton((command) => page.connection.ask(command), use.kind, use.value)] : [];
     return h("div", { class: "row" }, h("label", { for: id }, "kind"), select, ...about);
   }
 

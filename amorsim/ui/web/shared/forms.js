@@ -5,6 +5,7 @@ import { h } from "./dom.js";
 import { chainRows, targetRows } from "./chains.js";
 import { marksInWords } from "./field.js";
 import { makeField } from "./fields.js";
+import { manualButton } from "./manual.js";
 
 export { shown } from "./field.js";
 
@@ -21,7 +22,8 @@ const NOTHING = { chains: [], targets: [] };
 export class Form {
   /**
    * @param on `{set(path, value), restore(path)}`, each a promise of {ok, error}; where noise can come and go also
-   *   `{noises(path, table), add(path, table), remove(path)}`. Values are in the form's units.
+   *   `{noises(path, table), add(path, table), remove(path)}`, and `ask(command)` where there are manuals of
+   *   components. Values are in the form's units.
    */
   constructor(on) {
     this.on = on;
@@ -32,16 +34,17 @@ export class Form {
 
   /**
    * Show these fields; where they are the same ones as before only their values change.
-   * @param parts `chains`, list of `ChainForm`, and `targets` that may be given an error, list of `TargetForm`
+   * @param parts `chains`, list of `ChainForm`, `targets` that may be given an error, list of `TargetForm`, and
+   *   `components`, the kind and name of what a group is of, by the group
    */
   show(parameters, parts = NOTHING) {
-    const { chains = [], targets = [] } = parts;
+    const { chains = [], targets = [], components = {} } = parts;
     const fields = parameters.map((p) => `${p.path} ${p.widget?.kind} ${Boolean(p.slider?.length)}`);
     const elements = chains.map((chain) => `${chain.path}: ${chain.elements.map((one) => `${one.name} ${one.is_added}`)} ${chain.gone}`);
     const signature = [...fields, ...elements, ...targets.map((one) => one.path)].join("\n");
     if (signature !== this.signature) {
       this.signature = signature;
-      this.build(parameters, chains, targets);
+      this.build(parameters, chains, targets, components);
     }
     for (const parameter of parameters) this.fields.get(parameter.path)?.update(parameter);
   }
@@ -57,7 +60,7 @@ export class Form {
     return new Map([...groups].map((group) => [group.dataset.group, group.open]));
   }
 
-  build(parameters, chains, targets) {
+  build(parameters, chains, targets, components) {
     const { opened } = this;
     this.fields.clear();
     const order = Object.keys(KINDS);
@@ -72,12 +75,19 @@ export class Form {
         if (group === undefined) return h("div", { class: "group" }, rows);
         const key = `${kind} ${group}`;
         const isOpen = opened.get(key) ?? (kind === "systematic" ? group === "drive" : kind === "noise" && groups.length < 2);
-        return h("details", { class: "group", open: isOpen, "data-group": key }, h("summary", {}, groupTitle(group)), rows);
+        return h("details", { class: "group", open: isOpen, "data-group": key }, h("summary", {}, groupTitle(group)), isChains ? null : this.about(components[group]), rows);
       });
       const added = kind === "systematic" ? targetRows(targets, this.on.set) : [];
       return h("section", {}, KINDS[kind] ? h("h3", {}, KINDS[kind]) : null, parts, added);
     });
     this.element.replaceChildren(marksInWords(), ...sections);
+  }
+
+  /** What a group of fields is of, with its manual. */
+  about(component) {
+    if (!component) return null;
+    const [kind, name] = component;
+    return h("p", { class: "about" }, manualButton(this.on.ask, kind, name, `? ${name}`));
   }
 
   rows(parameters) {

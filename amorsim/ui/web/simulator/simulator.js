@@ -48,6 +48,7 @@ export class Simulator {
     this.replay = new Replay(ask, (event) => this.go(event));
     const change = (command) => this.connection.ask({ ...command, robot: this.robot.name }).then((said) => this.formSaid(said));
     this.form = new Form({
+      ask: (command) => this.connection.ask(command),
       set: (path, value) => change({ do: "set", path, value }),
       restore: (path) => change({ do: "restore", path }),
       add: (path, value) => change({ do: "add", path, value }),

@@ -99,7 +99,7 @@ export const BLOCKS = [
  * @property {{true: Float64Array, measured: Float64Array, age: number}[]} sensors
  */
 
-/** @typedef {"state" | "scene" | "parameters" | "history" | "events" | "image" | "mapped" | "intended" | "folder" | "select" | "controls" | "run" | "pause" | "step" | "speed" | "reset" | "scrub" | "continue" | "go_back" | "futures" | "forget" | "replica" | "hand_over" | "drive" | "command" | "stop" | "set" | "restore" | "noises" | "add" | "remove" | "places" | "page" | "save_scenario" | "save_run" | "restart" | "reload"} CommandName */
+/** @typedef {"state" | "scene" | "parameters" | "history" | "events" | "manual" | "image" | "mapped" | "intended" | "folder" | "select" | "controls" | "run" | "pause" | "step" | "speed" | "reset" | "scrub" | "continue" | "go_back" | "futures" | "forget" | "replica" | "hand_over" | "drive" | "command" | "stop" | "set" | "restore" | "noises" | "add" | "remove" | "places" | "page" | "save_scenario" | "save_run" | "restart" | "reload"} CommandName */
 
 /** @typedef {{"do": CommandName, [key: string]: unknown}} Command */
 

@@ -1,26 +1,29 @@
 // The manual of a component: what it is, and its fields, in a dialog.
 
-import { tell } from "../shared/dialogs.js";
-import { h } from "../shared/dom.js";
+import { tell } from "./dialogs.js";
+import { h } from "./dom.js";
+
+/** @typedef {(command: object) => Promise<any>} Ask */
 
 /** A button that opens the manual of a component.
- * @param {import("./editor.js").EditorPage} page
+ * @param {Ask} ask
  * @param {string} kind such as "controller"
- * @param {string} name such as "wander" */
-export function manualButton(page, kind, name) {
+ * @param {string} name such as "wander"
+ * @param {string} shown on the button */
+export function manualButton(ask, kind, name, shown = "?") {
   const words = `what ${name} is, and what its fields are`;
-  return h("button", { class: "tool", "aria-label": words, title: words, onclick: () => showManual(page, kind, name) }, "?");
+  return h("button", { class: "tool", "aria-label": `${shown === "?" ? "" : `${shown}: `}${words}`, title: words, onclick: () => showManual(ask, kind, name) }, shown);
 }
 
-/** @param {import("./editor.js").EditorPage} page
+/** @param {Ask} ask
  * @param {string} kind
  * @param {string} name */
-async function showManual(page, kind, name) {
-  const said = await page.connection.ask({ do: "manual", kind, name });
+async function showManual(ask, kind, name) {
+  const said = await ask({ do: "manual", kind, name });
   const title = `${kind.replaceAll("_", " ")} ${name}`;
   if (!said.ok) return tell(title, h("p", {}, said.error));
   /** @type {{text: string, fields: string[][]}} */
-  const { text, fields } = said;
+  const { text, fields } = said.manual;
   const head = ["field", "value", "default", "meaning"];
   const table = h(
     "table",

@@ -1,0 +1,46 @@
+"""Manuals of components, for a window: what a component is, and its fields."""
+
+from __future__ import annotations
+
+from typing import TypedDict
+
+from amorsim.analysis.reference import FILES, manual_parts
+from amorsim.core.errors import AmorsimError
+from amorsim.plugins.registry import KINDS, Registry
+from amorsim.scenario.spec import Robot
+from amorsim.ui.forms.live import places_of
+
+__all__ = ["Manual", "components_of", "manual_of"]
+
+
+def components_of(robot: Robot, registry: Registry) -> dict[str, tuple[str, str]]:
+    """The kind and the registered name of each part of a robot that has one, by its path in the robot."""
+    found: dict[str, tuple[str, str]] = {}
+    for path, thing in places_of(robot):
+        for kind, contract in KINDS.items():
+            name = registry.name_of(kind, type(thing)) if isinstance(thing, contract) else None
+            if name is not None:
+                found[path] = kind, name
+    return found
+
+
+class Manual(TypedDict):
+    """What a component is, in paragraphs; of each field its name in files, value, default and meaning."""
+
+    text: str
+    fields: list[tuple[str, str, str, str]]
+
+
+def manual_of(kind: str, name: str, registry: Registry) -> Manual:
+    """The manual of a component that is registered.
+
+    Raises
+    ------
+    AmorsimError
+        If there is none of that name.
+    """
+    entries = [entry for entry in registry.entries(kind) if entry.name == name and kind not in FILES]
+    if not entries:
+        raise AmorsimError(f"there is no {kind.replace('_', ' ')} {name!r} with a manual")
+    text, fields = manual_parts(registry, entries[0])
+    return {"text": text, "fields": fields}
