@@ -133,7 +133,7 @@ def test_no_other_command_names_a_file() -> None:
     named = {
         name for name, shape in COMMANDS.items() if {"name", "file", "path", "folder"} & {*shape.needs, *shape.may}
     }
-    # A picture of a map is looked up by name, and the path of a parameter is none of files.
-    assert named == {"save_scenario", "save_run", "image", "set", "restore", "add", "remove", "noises"}
+    # Pictures of maps and manuals are looked up by name, and the path of a parameter is none of files.
+    assert named == {"save_scenario", "save_run", "image", "manual", "set", "restore", "add", "remove", "noises"}
     with pytest.raises(AmorsimError):
         check({"do": "write_scenario", "file": "/tmp/x"})
