@@ -163,6 +163,10 @@ def test_mistakes_are_explained(run: Path, bag: Path, mcap: Path, tmp_path: Path
     for path in (damaged, tmp_path / "none.mcap", tmp_path / "none"):
         with pytest.raises(am.AnalysisError, match=r"cannot be read as a recording"):
             list(read_log(path, robot))
+    text = tmp_path / "README.md"
+    text.write_text("a text")
+    with pytest.raises(am.AnalysisError, match=r"README.md: is no recording that can be read: expected .* \.mcap"):
+        list(read_log(text, robot))
 
 
 def test_what_is_missing_is_named(run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
