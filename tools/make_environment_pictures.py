@@ -102,7 +102,7 @@ def make_window() -> None:
         with sync_playwright() as playwright:
             browser = playwright.chromium.launch(executable_path=str(CHROMIUM), args=FLAGS)
             page = browser.new_page(viewport={"width": 1366, "height": 768})
-            window = Window(page).open(printed.getvalue().split()[0])
+            Window(page).open(printed.getvalue().split()[0])
             page.wait_for_timeout(3000)  # pictures of maps and forms come after the first frames
             picture = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
             browser.close()
