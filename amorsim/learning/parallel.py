@@ -138,7 +138,7 @@ class SimulationParallelEnv(ParallelEnv):  # type: ignore[misc]
 
     def _show(self) -> None:
         if self.render_mode == "human":
-            self._worlds.show(type(self.task).__name__)
+            self._worlds.show()
 
     def _taken(self, actions: dict[str, Any]) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.bool_]]:
         """The actions `(1, A, a)`, and who acts `(1, A)`."""

@@ -262,7 +262,7 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
 
     def _show(self) -> None:
         if self.render_mode == "human":
-            self._worlds.show(type(self.task).__name__)
+            self._worlds.show()
 
     def close_extras(self, **_: Any) -> None:
         """Close the window, if there is one."""

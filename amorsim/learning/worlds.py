@@ -83,9 +83,8 @@ class Worlds:
     ) -> None:
         self.task, self.count, self.dtype = task, count, np.dtype(dtype)
         self._watch: Watch | None = None
-        self._turn: contextlib.AbstractContextManager[Any] = (
-            contextlib.nullcontext()
-        )  # the window's, where there is one
+        # Held while the simulation moves, so that a window does not read it meanwhile.
+        self._turn: contextlib.AbstractContextManager[Any] = contextlib.nullcontext()
         self._is_driven = controller is None
         driver = Manual() if controller is None else controller
         robots = [attrs.evolve(robot, controller=driver) for robot in scenario.robots]
@@ -196,7 +195,7 @@ class Worlds:
 
     # ---------------------------------------------------------------------------------------------------- the window
 
-    def show(self, name: str) -> None:
+    def show(self) -> None:
         """Show the one world in the Simulator's window, at most as fast as its robots act; the first call opens it.
 
         Raises
@@ -207,7 +206,7 @@ class Worlds:
         if self._watch is None:
             from amorsim.ui.watch import Watch
 
-            self._watch = Watch(self.simulation, name=name, goal_of=self._goal_of)
+            self._watch = Watch(self.simulation, name=type(self.task).__name__, goal_of=self._goal_of)
             self._turn = self._watch.lock
         self._watch.show(self.task.period)
 

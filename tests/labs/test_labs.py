@@ -18,7 +18,8 @@ from tests.first_hour.conftest import ROOT
 from tests.grading.courses import fence_problem
 
 LABS = ROOT / "docs" / "labs"
-SEEDS = {"07-monte-carlo-localization": [2]}  # in which the mistake is one; in others 11
+# Of lab 7, one in which the mistake is one; of lab 10 two, since single runs of its starter differ much; of others 11.
+SEEDS = {"07-monte-carlo-localization": [2], "10-graph-slam": [11, 12]}
 # Points by file: the least, and the most.
 EARNED = {
     "01-odometry": {
@@ -71,7 +72,7 @@ EARNED = {
         "cheating": (0.0, 0.0),
     },
     "10-graph-slam": {
-        "graph": (0.0, 2.5),
+        "graph": (0.0, 2.0),
         "good": (9.0, 10.0),
         "unwrapped": (0.0, 3.0),
         "cheating": (0.0, 0.0),
@@ -116,12 +117,13 @@ def test_what_is_handed_out_moves(name: str) -> None:
 @pytest.mark.long
 @pytest.mark.parametrize("name", EARNED)
 def test_submissions_earn_what_they_should(name: str, tmp_path: Path) -> None:
-    rubric = practice(name, tmp_path / "lab", SEEDS.get(name, [11]))
+    seeds = SEEDS.get(name, [11])
+    rubric = practice(name, tmp_path / "lab", seeds)
     files = [path for path in sorted(rubric.parent.rglob("*.py")) if "__pycache__" not in path.parts]
     graded = grade(rubric, files, tmp_path / "grades", fence=not fence_problem(), seeds=seeds_of(rubric))
     found = {one.label: one for one in graded}
     for label, (least, most) in EARNED[name].items():
-        assert [case.problem for case in found[label].cases] == [""], label
+        assert [case.problem for case in found[label].cases] == [""] * len(seeds), label
         program, answers = points_of(found[label])
         assert least <= program <= most, (label, program)
         assert answers == (found[label].of - 10.0 if label == "good" else 0.0), label
