@@ -2,13 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import functools
+from collections.abc import Callable, Mapping
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Clock, Context, Controller, Draws, Estimate, Measurement, RobotModel, State, parameter
+from amorsim.contracts import (
+    Clock,
+    Context,
+    Controller,
+    ControllerBinding,
+    Draws,
+    Estimate,
+    Measurement,
+    RobotModel,
+    State,
+    parameter,
+)
 
 __all__ = ["Manual", "limited"]
 
@@ -37,6 +49,10 @@ class Manual(Controller):
         """A command of zeros."""
         return {"command": np.zeros((context.rows, len(context.robot.channels)))}
 
+    def bind(self, at: ControllerBinding) -> Callable[[], None]:
+        """Copy the command from the state."""
+        return functools.partial(np.copyto, at.out, at.state["command"])
+
     def command(
         self,
         robot: RobotModel,
@@ -52,7 +68,7 @@ class Manual(Controller):
 
 def limited(controller: Controller | None, twists: Array) -> Array:
     """Velocities `(N, 3)` within the limits of a `Manual` controller, each scaled down as a whole."""
-    if not isinstance(controller, Manual):
+    if not isinstance(controller, Manual) or (controller.speed is None and controller.turn_rate is None):
         return twists
     over = np.ones((len(twists), 1))
     way = np.sqrt(twists[:, 0:1] * twists[:, 0:1] + twists[:, 1:2] * twists[:, 1:2])

@@ -132,10 +132,10 @@ class Wander(Controller):
         reading, twist = at.readings[self.sensor], np.empty((robot.rows, 3))
         sight = Sight(reading.measured, state["beams"], state["half_angle"], self._samples(robot))
         chance = wandering.Chance(draws.keys, draws.counter, 0)  # the first draws of each tick
-        given = reading.age, at.estimate.pose, state["body"], self._wish(), chance, at.dt
+        given = *sight, reading.age, at.estimate.pose, state["body"], *self._wish(), *chance, at.dt
         kept = state["memory"], state["trail"]
         decide = draws.bind_share(
-            _WORK, lambda first, end: functools.partial(wandering.wander, sight, *given, *kept, first, end, twist)
+            _WORK, lambda first, end: functools.partial(wandering.wander, *given, *kept, first, end, twist)
         )
 
         def command() -> None:
@@ -175,8 +175,8 @@ class Wander(Controller):
         chance = wandering.Chance(*draws.reserve(2))
         turns = np.isinf(state["curvature"])
         if turns.any():
-            mine = reading.age, poses, state["body"], wish, chance, clock.dt, state["memory"], state["trail"]
-            draws.share(_WORK, lambda first, end: wandering.wander(sight, *mine, first, end, twist))
+            mine = *sight, reading.age, poses, state["body"], *wish, *chance, clock.dt, state["memory"], state["trail"]
+            draws.share(_WORK, lambda first, end: wandering.wander(*mine, first, end, twist))
         if not turns.all():
             cars = self._as_cars(robot, sight, poses, wish, chance, clock.dt, state, draws)
             twist = np.where(turns, twist, cars)

@@ -21,7 +21,7 @@ from amorsim.kernels.grid.rasterise import grid_from_segments, snapped
 from amorsim.kernels.grid.segment_boxes import index_segments, no_segments
 from amorsim.kernels.grid.segments import SegmentIndex
 from amorsim.kernels.raycast.rays import occupied_points
-from amorsim.kernels.raycast.scans import cast_scans
+from amorsim.kernels.raycast.scans import cast_scans, sorted_beams
 
 __all__ = ["Map", "drawn_alike"]
 
@@ -307,7 +307,9 @@ class Map:
         with np.errstate(invalid="ignore"):  # an infinite bearing has no cosine, and so no distance: nan
             cosines, sines = np.cos(angles)[None], np.sin(angles)[None]
         reach = np.array([range_max], dtype=np.float64)
-        cast_scans(self.grid, self.segment_index, *self.origin, places, cosines, sines, reach, out)
+        walls = *self.grid, *self.segment_index, *self.origin
+        given: Any = *walls, places, *sorted_beams(cosines, sines, len(places)), reach, out
+        cast_scans(*given)
         return out
 
     def __eq__(self, other: object) -> bool:

@@ -126,7 +126,7 @@ class NoiseProgram:
         work = self._draws.bind_share(
             self._work,
             lambda first, end: functools.partial(
-                kernels.take_steps, first, end, self._program, self._blocks, values, out
+                kernels.take_steps, first, end, *self._program, self._blocks, values, out
             ),
         )
 

@@ -58,7 +58,9 @@ def power(x: ArrayLike, exponent: ArrayLike) -> Floats:
 
 def _each(run: Callable[..., Any], *arguments: ArrayLike) -> Floats:
     """The result of a kernel for the arguments, broadcast to one shape."""
-    arrays = np.broadcast_arrays(*(np.asarray(argument, dtype=np.float64) for argument in arguments))
+    arrays = [np.asarray(argument, dtype=np.float64) for argument in arguments]
+    if len({array.shape for array in arrays}) > 1:
+        arrays = list(np.broadcast_arrays(*arrays))
     out = np.empty(arrays[0].shape)
     run(*(np.ascontiguousarray(array).reshape(-1) for array in arrays), out.reshape(-1))
     return out

@@ -156,7 +156,7 @@ class Worlds:
 
     def act(self, actions: Array, is_on: Bools | None = None) -> StepOutcome:
         """Take actions `(W, A, a)`, of robots that are on `(W, A)`; others stand. Returns the outcome `(W * A,)`."""
-        self._action = np.clip(actions, self.low, self.high)
+        self._action = np.minimum(np.maximum(actions, self.low), self.high)
         if is_on is not None:
             self._action[~is_on] = 0.0
         step = self.simulation.step if self._watch is None else self._watch.step

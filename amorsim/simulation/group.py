@@ -231,14 +231,15 @@ class Group:
                 answer=self._take_joints,
             )
         )
-        self._results = [self.true_pose, self.joints, self.command]
+        results = [self.true_pose, self.joints, self.command]
         for estimate in self.estimates.values():
-            self._results += [estimate.pose, estimate.covariance.reshape(self.rows, 9)]
+            results += [estimate.pose, estimate.covariance.reshape(self.rows, 9)]
         for unit in devices:
-            self._results += [unit.true, unit.measured]
+            results += [unit.true, unit.measured]
+        self._record = digest.bind_absorb(results, self.fingerprint)
         self.is_bound = True
 
-    _BOUND = ("_noise", "_place_mounts", "_senses", "_control", "_estimates", "_advance", "_results", "_motion")
+    _BOUND = ("_noise", "_place_mounts", "_senses", "_control", "_estimates", "_advance", "_record", "_motion")
 
     def __getstate__(self) -> dict[str, Any]:
         """All but what is bound, which a copy prepares again."""
@@ -430,7 +431,8 @@ class Group:
 
     def record(self) -> None:
         """Mix the step's exact results into the fingerprint of each row."""
-        digest.absorb(self._results, self.fingerprint)
+        for mix in self._record:
+            mix()
 
     # ---------------------------------------------------------------------------------------------------- for others
 

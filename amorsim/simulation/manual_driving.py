@@ -47,9 +47,11 @@ def drive_all(fleet: Fleet, name: str, forward: Any, left: Any, turn: Any) -> No
         wanted[rows] = twists[fleet.world.replica_index[group.bodies[rows]]]
         joints = joints_of(group.robot, group.readings)
         along = command_along(group.robot, limited(driver.controller, wanted), joints)[rows]
-        driver.hand[rows[by_hand], : along.shape[1]] = along[by_hand]
-        if state is not None:
-            state[rows[~by_hand], : along.shape[1]] = along[~by_hand]
+        channels = along.shape[1]
+        if by_hand.any():
+            driver.hand[rows[by_hand], :channels] = along[by_hand]
+        if state is not None and not by_hand.all():
+            state[rows[~by_hand], :channels] = along[~by_hand]
 
 
 def _twists(name: str, replicas: int, *parts: Any) -> Array:

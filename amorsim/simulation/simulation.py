@@ -351,8 +351,9 @@ class Simulation:
     @checked
     def truth(self, rows: Sequence[int] | None = None) -> TrueState:
         """The true state of all robots, or of some rows of `true_pose`: as a task for learners is given it."""
-        every = np.arange(len(self.replicas) * len(self.names))
-        return true_state(self._fleet, every if rows is None else every[np.asarray(rows, dtype=np.int64)])
+        if rows is None:
+            return true_state(self._fleet)
+        return true_state(self._fleet, np.asarray(rows, dtype=np.int64))
 
     @property
     def parts(self) -> tuple[str, ...]:

@@ -18,19 +18,27 @@ __all__ = ["true_state"]
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
+_ALL = slice(None)
 
-def true_state(fleet: Fleet, rows: Ints) -> TrueState:
+
+def true_state(fleet: Fleet, rows: Ints | slice = _ALL) -> TrueState:
     """The true state of some robots, by their rows in order of replica, then of name."""
     world, robots = fleet.world, len(fleet.names)
-    replica = rows // robots
+    number = np.arange(len(fleet.replicas) * robots)[rows]
+    replica = number // robots
+    if world.has_parts:
+        part_pose = world.poses[world.parts_of(world.first[replica] + number % robots)]
+    else:
+        part_pose = np.empty((len(number), 0, 3))
+    markings = fleet.scenario.floor.markings
     return TrueState(
-        pose=gathered(fleet, lambda group: group.true_pose)[rows],
-        twist=gathered(fleet, lambda group: group.true_twist)[rows],
-        is_touching=touching_robots(fleet)[rows],
+        pose=gathered(fleet, lambda group: group.true_pose)[number],
+        twist=gathered(fleet, lambda group: group.true_twist)[number],
+        is_touching=touching_robots(fleet)[number],
         map_of=lambda row: world.terrain.at(int(replica[row])),
         pose_of=_poses_in(fleet, replica),
-        part_pose=world.poses[world.parts_of(world.first[replica] + rows % robots)],
-        lines=tuple(mark.patch.points for mark in fleet.scenario.floor.markings if mark.points),
+        part_pose=part_pose,
+        lines=tuple(mark.patch.points for mark in markings if mark.points) if markings else (),
     )
 
 

@@ -84,8 +84,9 @@ class PointGoal(Task):
         pose = known.estimate.pose
         east, north = (episode["goal"] - pose[:, :2]).T
         bearing = elementary.arctan2(north, east) - pose[:, 2]
-        away = np.minimum(np.hypot(east, north), self._farthest)
-        goal = np.column_stack((away, np.cos(bearing), np.sin(bearing)))
+        goal = np.empty((len(pose), 3))
+        np.minimum(np.hypot(east, north), self._farthest, out=goal[:, 0])
+        goal[:, 1], goal[:, 2] = np.cos(bearing), np.sin(bearing)
         return np.concatenate((goal, known.action, shares_of_range(known, self.sensor)), axis=1)
 
     def judge(self, truth: TrueState, episode: State) -> StepOutcome:

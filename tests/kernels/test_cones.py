@@ -49,7 +49,7 @@ def by_rays(
     limits = np.full(len(poses), range_max)
     every, least = np.empty((len(poses), bearings.shape[1])), np.empty(len(poses))
     rays.cast(map_.grid, *map_.origin, poses, cos_b, sin_b, limits, every)
-    cast_cones(map_.grid, map_.segment_index, *map_.origin, poses, half_angle, cos_b, sin_b, limits, least, ray)
+    cast_cones(*map_.grid, *map_.segment_index, *map_.origin, poses, half_angle, cos_b, sin_b, limits, least, ray)
     return least, every
 
 

@@ -11,7 +11,7 @@ import pytest
 from amorsim.core.map import Map
 from amorsim.kernels.grid.segment_boxes import index_segments, no_segments
 from amorsim.kernels.raycast.rays import cast
-from amorsim.kernels.raycast.scans import cast_scans
+from amorsim.kernels.raycast.scans import cast_scans, sorted_beams
 from amorsim.maps.wld import Wld
 from tests import naive
 
@@ -26,7 +26,8 @@ def scanned(world: Map, poses: np.ndarray, bearings: np.ndarray, range_max: floa
     cosines, sines = np.cos(bearings), np.sin(bearings)
     reach = np.atleast_1d(np.asarray(range_max, dtype=np.float64))
     out, alone = np.full((2, len(poses), bearings.shape[1]), -1.0)
-    cast_scans(world.grid, world.segment_index, *world.origin, poses, cosines, sines, reach, out)
+    beams = sorted_beams(cosines, sines, len(poses))
+    cast_scans(*world.grid, *world.segment_index, *world.origin, poses, *beams, reach, out)
     cast(world.grid, *world.origin, poses, cosines, sines, reach, alone)
     differ = np.argwhere(out.view(np.int64) != alone.view(np.int64))
     for n, k in differ[:1]:
@@ -144,9 +145,9 @@ def test_walls_are_believed_and_no_beam_starts_at_its_pose() -> None:
     right = scanned(room, poses, FAN)
     # An index that has walls too far away makes beams start behind them: so the agreement elsewhere is not the march's.
     wrong = index_segments(np.empty((0, 4)), room.shape[0] * 2, room.shape[1] * 2, room.resolution)
-    out = np.empty_like(right)
+    out, beams = np.empty_like(right), sorted_beams(np.cos(FAN)[None], np.sin(FAN)[None], len(poses))
     for lines, same in ((no_segments(), True), (wrong, False)):
-        cast_scans(room.grid, lines, *room.origin, poses, np.cos(FAN)[None], np.sin(FAN)[None], np.array([8.0]), out)
+        cast_scans(*room.grid, *lines, *room.origin, poses, *beams, np.array([8.0]), out)
         assert bool((out == right).all()) == same
 
 

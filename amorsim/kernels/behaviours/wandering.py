@@ -9,7 +9,6 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.kernels.behaviours.free_space import (
-    Sight,
     choose_direction,
     directions_within,
     find_opening,
@@ -273,12 +272,19 @@ class Chance(NamedTuple):
 
 @kernel
 def wander(
-    sight: Sight,
+    ranges: Floats,
+    beams: Floats,
+    half_angle: Floats,
+    samples: int,
     age: Floats,
     pose: Floats,
     body: Floats,
-    wish: Wish,
-    chance: Chance,
+    speed: Column,
+    turn_rate: Column,
+    clearance: Column,
+    keys: npt.NDArray[np.uint64],
+    counter: npt.NDArray[np.uint32],
+    block: int,
     dt: float,
     memory: Floats,
     trail: Floats,
@@ -290,22 +296,24 @@ def wander(
 
     Parameters
     ----------
-    sight, age
-        What was seen, and how old it is [s] (N, 1).
+    ranges, beams, half_angle, samples
+        The `Sight` that was seen.
+    age
+        How old it is [s] (N, 1).
     pose
         Where the robots believe to be, (N, 3); for the trail of places only.
     body
         What the robot knows of its own body, (N, BODY_COLUMNS).
-    wish
-        How it is asked to drive.
-    chance
-        What two uniform random numbers of each row are drawn by.
+    speed, turn_rate, clearance
+        The `Wish`: how it is asked to drive.
+    keys, counter, block
+        The `Chance`: what two uniform random numbers of each row are drawn by.
     memory, trail
         What it remembers, (N, MEMORY_COLUMNS), and places where it was, (N, places, 2) [m]; changed.
     first, end
         The rows that are worked on.
     """
-    points = np.empty((3, sight.ranges.shape[1] * sight.samples))
+    points = np.empty((3, ranges.shape[1] * samples))
     most = 1
     for i in range(first, end):
         most = max(most, directions_within(body[i, _VIEW:]))
@@ -314,17 +322,17 @@ def wander(
     one = drawn[:1]
     other = drawn[1:]
     for i in range(first, end):
-        pairs(chance.keys[i], chance.counter, i, chance.block, one, other)
-        see_points(sight.ranges[i], sight.beams[i], sight.half_angle[i, 0], points)
+        pairs(keys[i], counter, i, block, one, other)
+        see_points(ranges[i], beams[i], half_angle[i, 0], points)
         _wander_row(
             points,
             weights,
             age[i, 0],
             pose[i],
             body[i],
-            wish.speed[i, 0],
-            wish.turn_rate[i, 0],
-            wish.clearance[i, 0],
+            speed[i, 0],
+            turn_rate[i, 0],
+            clearance[i, 0],
             drawn,
             dt,
             memory[i],

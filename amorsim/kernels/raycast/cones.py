@@ -108,8 +108,17 @@ def _hear(
 
 @kernel
 def cast_cones(
-    grid: Grid,
-    lines: SegmentIndex,
+    resolution: float,
+    rows: int,
+    cols: int,
+    super_cols: int,
+    supers: NDArray[np.int32],
+    tables: NDArray[np.int32],
+    pages: NDArray[np.uint64],
+    free_room: NDArray[np.uint16],
+    boxes: Floats,
+    first: Integers,
+    segments: Floats,
     origin_x: float,
     origin_y: float,
     yaw: float,
@@ -123,12 +132,14 @@ def cast_cones(
 ) -> None:
     """Write the least distance [m] over the rays of each cone (N,), to the bit what `rays.cast` and a minimum give.
 
-    Arguments are those of `scans.cast_scans`, with the bearings (1, k), evenly spread from -half_angle to half_angle,
-    and `range_max` (N,). `ray` (N,) gets the first ray that has the least, 0 where nothing is within the range; not
-    written if it is empty.
+    Map, poses and `out` are those of `scans.cast_scans`; `cos_b` and `sin_b` (1, k) are cosine and sine of bearings
+    that are evenly spread from -half_angle to half_angle, and `range_max` is (N,). `ray` (N,) gets the first ray that
+    has the least, 0 where nothing is within the range; not written if it is empty.
     """
     cone = Cone(half_angle, np.array([math.cos(half_angle), math.sin(half_angle)]), cos_b, sin_b)
-    walls = lines.walls.shape[1]
+    grid = Grid(resolution, rows, cols, super_cols, supers, tables, pages, free_room)
+    lines = SegmentIndex(boxes, first, segments)
+    walls = segments.shape[1]
     f = np.empty(ROOM)
     room = WallRoom(
         np.empty(walls, dtype=np.int64),

@@ -21,7 +21,7 @@ from amorsim.kernels.grid.grid import Grid, is_occupied
 from amorsim.kernels.grid.segments import RINGS, SAFETY, SegmentIndex, SortedBeams, bound_scan, bucket_of
 from amorsim.kernels.raycast.rays import cell_of, direction, march, rounding, to_frame
 
-__all__ = ["cast_scans"]
+__all__ = ["cast_scans", "sort_beams", "sorted_beams"]
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -305,15 +305,57 @@ def _cast_scan(
 
 
 @kernel
+def sort_beams(cos_b: Floats, sin_b: Floats, order: Integers, cos_s: Floats, sin_s: Floats, starts: Integers) -> None:
+    """Sort the beams of scans for `cast_scans`; the scans may be taken from many places.
+
+    Parameters
+    ----------
+    cos_b, sin_b
+        (B, k): cosines and sines of the beams' bearings from the heading, in any order.
+    order, cos_s, sin_s, starts
+        Get the `SortedBeams` of each: (B, k), (B, L), (B, L) and (B, S + 1), of S sectors and k filled up to L, a whole
+        number of lanes.
+    """
+    for b in range(cos_b.shape[0]):
+        for k in range(cos_b.shape[1], cos_s.shape[1]):
+            cos_s[b, k] = 1.0
+            sin_s[b, k] = 0.0
+        beams = SortedBeams(order[b], cos_s[b], sin_s[b], starts[b], (starts.shape[1] - 1) / 4.0)
+        _sort_beams(cos_b[b], sin_b[b], beams)
+
+
+def sorted_beams(cos_b: Floats, sin_b: Floats, poses: int) -> tuple[Integers, Floats, Floats, Integers]:
+    """The beams (B, k) of scans as `cast_scans` takes them, for so many poses; see `sort_beams`."""
+    scans, count = cos_b.shape
+    scale = FINE if scans == 1 and poses >= _FEW else COARSE
+    lanes = (count + LANES - 1) // LANES * LANES
+    order, starts = np.empty((scans, count), np.int64), np.empty((scans, int(4.0 * scale) + 1), np.int64)
+    cos_s, sin_s = np.empty((scans, lanes)), np.empty((scans, lanes))
+    sort_beams(cos_b, sin_b, order, cos_s, sin_s, starts)
+    return order, cos_s, sin_s, starts
+
+
+@kernel
 def cast_scans(
-    grid: Grid,
-    lines: SegmentIndex,
+    resolution: float,
+    rows: int,
+    cols: int,
+    super_cols: int,
+    supers: NDArray[np.int32],
+    tables: NDArray[np.int32],
+    pages: NDArray[np.uint64],
+    free_room: NDArray[np.uint16],
+    boxes: Floats,
+    first: Integers,
+    walls: Floats,
     origin_x: float,
     origin_y: float,
     yaw: float,
     poses: Floats,
-    cos_b: Floats,
-    sin_b: Floats,
+    order: Integers,
+    cos_s: Floats,
+    sin_s: Floats,
+    starts: Integers,
     range_max: Floats,
     out: Floats,
 ) -> None:
@@ -321,45 +363,39 @@ def cast_scans(
 
     Parameters
     ----------
-    grid
-        The map, whose lower left corner is at (origin_x, origin_y) [m] and turned by `yaw` [rad] in the
-        world.
-    lines
-        What the map was drawn from, in its frame; `no_segments()` where that is not known.
+    resolution, rows, cols, super_cols, supers, tables, pages, free_room
+        The map's `Grid`, whose lower left corner is at (origin_x, origin_y) [m] and turned by `yaw` [rad] in the
+        world. Grid and index come field by field: to unpack a named tuple takes numba longer than a few beams take.
+    boxes, first, walls
+        The `SegmentIndex` of what the map was drawn from, in its frame; of `no_segments()` where that is not known.
     poses
         (N, 3): x, y [m] and heading [rad] in the world.
-    cos_b, sin_b
-        (B, k), B = 1 or N: cosine and sine of the beams' bearings from the heading, in any order.
+    order, cos_s, sin_s, starts
+        What `sorted_beams` returns for the (B, k) beams, B = 1 or N.
     range_max
         (R,), R = 1 or N [m].
     out
         (N, k): 0 from an occupied cell or from outside the map, inf where nothing is within the range, and
         nan where a pose or a bearing is.
     """
+    grid = Grid(resolution, rows, cols, super_cols, supers, tables, pages, free_room)
+    lines = SegmentIndex(boxes, first, walls)
     cos_yaw = math.cos(yaw)
     sin_yaw = math.sin(yaw)
-    count = out.shape[1]
-    scale = FINE if cos_b.shape[0] == 1 and poses.shape[0] >= _FEW else COARSE
-    lanes = (count + LANES - 1) // LANES * LANES
-    beams = SortedBeams(
-        np.arange(count), np.ones(lanes), np.zeros(lanes), np.empty(int(4.0 * scale) + 1, dtype=np.int64), scale
-    )
-    blocks = lines.boxes.shape[1]
+    scale = (starts.shape[1] - 1) / 4.0
+    blocks = boxes.shape[1]
     room = _Room(
         np.empty(blocks, dtype=np.int64),
         np.empty(blocks),
         np.empty(RINGS + 2, dtype=np.int64),
-        np.empty(lanes),
+        np.empty(cos_s.shape[1]),
         np.empty(_ROOM),
         np.empty(_ROOM, dtype=np.int64),
     )
-    sorted_row = -1
     for n in range(poses.shape[0]):
         x, y = to_frame(poses[n, 0], poses[n, 1], origin_x, origin_y, cos_yaw, sin_yaw)
         heading = poses[n, 2] - yaw
         reach = range_max[n if range_max.shape[0] > 1 else 0]
-        b = n if cos_b.shape[0] > 1 else 0
-        if b != sorted_row:
-            _sort_beams(cos_b[b], sin_b[b], beams)
-            sorted_row = b
+        b = n if order.shape[0] > 1 else 0
+        beams = SortedBeams(order[b], cos_s[b], sin_s[b], starts[b], scale)
         _cast_scan(grid, lines, x, y, heading, reach, beams, room, out[n])

@@ -76,16 +76,29 @@ def _take_step(kind: int, a: float, b: float, drawn: Floats, values: Floats) -> 
 
 
 @kernel
-def take_steps(first_row: int, end_row: int, program: Program, blocks: Ints, values: Floats, out: Floats) -> None:
+def take_steps(
+    first_row: int,
+    end_row: int,
+    sizes: Ints,
+    ends: Ints,
+    kinds: Ints,
+    parameters: Floats,
+    keys: NDArray[np.uint64],
+    counter: NDArray[np.uint32],
+    blocks: Ints,
+    values: Floats,
+    out: Floats,
+) -> None:
     """Write into `out` (V,) the result of the steps for `values` (V,), for rows first_row..end_row-1.
 
-    Values lie device by device, and of each device row by row. `blocks` (S,) are the numbers of the first block that
+    The arguments from `sizes` to `counter` are the fields of the `Program`. Values lie device by device, and of each
+    device row by row. `blocks` (S,) are the numbers of the first block that
     each step draws from, or `MEDIANS`.
     """
-    rows = program.counter.shape[0]
+    rows = counter.shape[0]
     most = 0
-    for d in range(program.sizes.shape[0]):
-        most = max(most, program.sizes[d])
+    for d in range(sizes.shape[0]):
+        most = max(most, sizes[d])
     half = (most + 1) // 2
     first = np.empty(half)
     second = np.empty(half)
@@ -94,24 +107,24 @@ def take_steps(first_row: int, end_row: int, program: Program, blocks: Ints, val
     drawn = np.empty(2 * half)
     begin = 0
     first_step = 0
-    for d in range(program.sizes.shape[0]):
-        k = program.sizes[d]
+    for d in range(sizes.shape[0]):
+        k = sizes[d]
         pairs_of = (k + 1) // 2
         for i in range(first_row, end_row):
             mine = out[begin + i * k : begin + (i + 1) * k]
             for j in range(k):
                 mine[j] = values[begin + i * k + j]
-            for s in range(first_step, program.ends[d]):
-                kind = program.kinds[s]
+            for s in range(first_step, ends[d]):
+                kind = kinds[s]
                 if kind == SCATTER or kind == REPLACE:  # noqa: SIM109 - compiles in a third of the time
                     if blocks[s] == MEDIANS:
                         for j in range(k):
                             drawn[j] = 0.0 if kind == SCATTER else 0.5
                     else:
-                        pairs(program.keys[s, i], program.counter, i, blocks[s], first[:pairs_of], second[:pairs_of])
+                        pairs(keys[s, i], counter, i, blocks[s], first[:pairs_of], second[:pairs_of])
                         if kind == SCATTER:
                             normals(first[:pairs_of], second[:pairs_of], bits[:pairs_of], power[:pairs_of])
                         lay_out(first[:pairs_of], second[:pairs_of], drawn[:k])
-                _take_step(kind, program.parameters[s, i, 0], program.parameters[s, i, 1], drawn, mine)
+                _take_step(kind, parameters[s, i, 0], parameters[s, i, 1], drawn, mine)
         begin += k * rows
-        first_step = program.ends[d]
+        first_step = ends[d]

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import functools
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from amorsim.kernels.compile import kernel, part
 
-__all__ = ["absorb"]
+__all__ = ["absorb", "bind_absorb"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -56,7 +58,12 @@ def _absorb(
 
 def absorb(values: Sequence[npt.NDArray[np.float64]], out: npt.NDArray[np.uint64]) -> None:
     """Mix the bits of arrays (N, k), C-contiguous and writeable, into the fingerprints `out` (N, 2), in order."""
-    for start in range(0, len(values), _BATCH):
-        batch = [*values[start : start + _BATCH]]
-        a, b, c, d, e, f, g, h = batch + _PADDING[len(batch) :]
-        _absorb(a, b, c, d, e, f, g, h, out)
+    for call in bind_absorb(values, out):
+        call()
+
+
+def bind_absorb(values: Sequence[npt.NDArray[np.float64]], out: npt.NDArray[np.uint64]) -> list[Callable[[], None]]:
+    """The calls that do what `absorb` does, each time they are made, for arrays that keep their place."""
+    batches = [values[start : start + _BATCH] for start in range(0, len(values), _BATCH)]
+    arguments: list[Any] = [(*batch, *_PADDING[len(batch) :], out) for batch in batches]
+    return [functools.partial(_absorb, *given) for given in arguments]

@@ -47,6 +47,8 @@ MOST_LOOKS = 400_000
 # Cost of one body's broad phase, in rays.
 LOOK_WORK = 16
 
+_NOBODY: Ints = np.empty(0, dtype=np.int64)
+
 
 class Mover(Protocol):
     """Bodies that move by the same code: a group of robots, their parts, or obstacles.
@@ -203,6 +205,8 @@ class Movement:
                 look_around(rows.start, rows.stop, looking, self._scene(map_, paths), *given)
 
         world.workers.share(len(looking), LOOK_WORK, part)
+        if not np.count_nonzero(near):
+            return _NOBODY, _NOBODY
         a = looking[(near & NEAR_WALL) != 0]
         b = np.full(len(a), WALL, dtype=np.int64)
         close = looking[(near & NEAR_BODY) != 0]

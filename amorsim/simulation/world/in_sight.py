@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -204,22 +205,25 @@ def bind_walls(
 ) -> Callable[[], None]:
     """A function that writes the distances [m] `(Q, k)` to the walls along beams into `out`, each time it is called.
 
-    `replica` `(Q,)` is the replica of each origin; the other arguments are those of `scans.cast_scans`. All arrays keep
-    their place.
+    `replica` `(Q,)` is the replica of each origin; the other arguments are those of `rays.cast`. All arrays keep their
+    place, and the bearings their values.
     """
+    is_scan = traversal != "bresenham" and cos_b.shape[1] > 1 and (len(cos_b) == 1 or cos_b.shape[1] >= _FEW)
+    sorted_scan = scans.sorted_beams(cos_b, sin_b, len(origins)) if is_scan else ()
 
     def prepare(first: int, end: int) -> Callable[[], None]:
         calls: list[Callable[[], None]] = []
         for map_, rows in world.terrain.between(replica, first, end):
             mine = rows if len(cos_b) > 1 else slice(None)
-            beams = origins[rows], cos_b[mine], sin_b[mine], range_max[rows], out[rows]
-            if traversal == "bresenham":
-                calls.append(functools.partial(bresenham.bresenham_cast, map_.grid, *map_.origin, *beams))
-            elif cos_b.shape[1] == 1 or (len(cos_b) > 1 and cos_b.shape[1] < _FEW):
-                calls.append(functools.partial(rays.cast, map_.grid, *map_.origin, *beams))
+            ends = range_max[rows], out[rows]
+            if is_scan:
+                walls = *map_.grid, *map_.segment_index, *map_.origin
+                beams: Any = *walls, origins[rows], *(part[mine] for part in sorted_scan), *ends
+                calls.append(functools.partial(scans.cast_scans, *beams))
             else:
-                walls = map_.grid, map_.segment_index, *map_.origin
-                calls.append(functools.partial(scans.cast_scans, *walls, *beams))
+                cast = bresenham.bresenham_cast if traversal == "bresenham" else rays.cast
+                given = map_.grid, *map_.origin, origins[rows], cos_b[mine], sin_b[mine], *ends
+                calls.append(functools.partial(cast, *given))
         return in_turn(calls)
 
     return world.workers.bind(len(origins), out.shape[1], prepare)

@@ -325,7 +325,7 @@ class GroupView:
         def prepare(a: int, b: int) -> Callable[[], None]:
             calls: list[Callable[[], None]] = []
             for map_, rows in terrain.between(replica, a, b):
-                walls = map_.grid, map_.segment_index, *map_.origin
+                walls = *map_.grid, *map_.segment_index, *map_.origin
                 beams = origins[rows], half_angle, cos_b, sin_b, limits[rows]
                 calls.append(functools.partial(cones.cast_cones, *walls, *beams, out[rows], ray[rows]))
             return in_turn(calls)
