@@ -208,7 +208,7 @@ def _play(scenario: Scenario, commands: Sequence[Array] | Array, replicas: int) 
     group = simulation._fleet.groups[0]
     true, believed = [simulation.true_pose], [simulation.estimated_pose]
     for command in commands:
-        group.driver.state["command"] = np.repeat(command[None], replicas, axis=0)
+        group.driver.state["command"][:] = command
         simulation.step()
         true.append(simulation.true_pose)
         believed.append(simulation.estimated_pose)

@@ -121,7 +121,7 @@ def _watch(
     group = simulation._fleet.groups[0]
     poses, readings, stamps = [simulation.true_pose], [], []
     for _ in range(steps):
-        group.driver.state["command"] = np.full((group.rows, 1), rate(simulation.time))
+        group.driver.state["command"][:] = rate(simulation.time)
         simulation.step()
         poses.append(simulation.true_pose)
         reading = group.readings[sensor]

@@ -180,9 +180,7 @@ def _play(scenario: Scenario, name: str, sensor: str, commands: Array, replicas:
     group, rows = found[0][0], [row for _, row in found]
     kept = []
     for step, command in enumerate(commands, start=1):
-        state = group.driver.state["command"].copy()
-        state[rows] = command
-        group.driver.state["command"] = state
+        group.driver.state["command"][rows] = command
         simulation.step()
         if step % every == 0:
             kept.append(group.sensors[sensor].reading.measured[rows])
