@@ -2,7 +2,7 @@
 
 ``python -m benchmarks.barn --way best --runs 10`` prints what became of the runs, and the challenge's score. The fields
 are D. Perille, A. Truong, X. Xiao and P. Stone, "Benchmarking metric ground navigation", 2020; those of
-https://github.com/Daffan/the-barn-challenge are read from a file that is no part of the project.
+https://github.com/Daffan/the-barn-challenge are read from a file that is not part of the project.
 
 Each run is a replica. A run ends when the robot is within 1 m of its goal, touches anything, or after 100 s. Fields lie
 next to one another on one plain, far enough apart that no laser sees the next, with a robot in each. A batch goes on

@@ -82,7 +82,7 @@ class _BareWorld:
 def _memory(file: str) -> dict[str, Any]:
     import amorsim as am
 
-    # Compiles, or loads, the kernels that draw walls: they are no part of a map.
+    # Compiles, or loads, the kernels that draw walls: they are not part of a map.
     am.Map.from_segments([(0.0, 0.0, 1.0, 1.0)]).occupied([(0.5, 0.5)])
     am.load_map(_smallest(Path(file).parent))
     # The high-water mark of what came before, compiling above all, is none of the map's.
@@ -105,7 +105,7 @@ def _picture(file: str) -> dict[str, Any]:
 
     import amorsim as am
 
-    am.Map.from_array(np.eye(200, dtype=np.uint8), resolution=0.05)  # loads the kernels, which are no part of a map
+    am.Map.from_array(np.eye(200, dtype=np.uint8), resolution=0.05)  # loads the kernels, which are not part of a map
     small = Path(file).with_name("small.png")
     am.save_map(am.Map.from_array(np.eye(20), resolution=0.05), small)
     am.load_map(small, resolution=0.05, threshold=0.5)

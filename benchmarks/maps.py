@@ -40,7 +40,7 @@ def measure(rounds: int, quick: bool, clock: Clock, say: Callable[[str], None]) 
         rows.append(_row(what, "s to load", [answer["seconds"] for answer in answers], "processor time"))
         rows.append(_row(what, "MB at the peak", [answer["peak"] / 1e6 for answer in answers], "while it is loaded"))
         say("maps: a Stage world")
-        am.load(stage)  # what is compiled, and what Python imports, is no part of a file
+        am.load(stage)  # what is compiled, and what Python imports, is not part of a file
         seconds = [_timed(clock, lambda: am.load(stage)) for _ in range(rounds)]
         rows.append(
             _row(

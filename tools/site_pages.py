@@ -70,7 +70,7 @@ def _parts(text: str) -> Iterator[Part]:
 
 
 def _outside_code(text: str) -> Iterator[str]:
-    """The text in pieces, where code has another character for each number sign, as these are no headings."""
+    """The text in pieces, where code has another character for each number sign, as these are not headings."""
     for place, piece in enumerate(_CODE.split(text)):
         yield piece.replace("#", "\0") if place % 2 else piece
 

@@ -111,7 +111,7 @@ def free_cells(world: Map, reach: float, *, side: float | None = None, avoid_unk
     Raises
     ------
     PlanError
-        If there are more than 50 million cells, or it is no map.
+        If there are more than 50 million cells, or it is not a map.
     """
     check_map(world)
     side = usual_side(world) if side is None else side

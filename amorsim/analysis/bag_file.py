@@ -98,7 +98,7 @@ def _put(new: Path, path: Path) -> None:
         path.unlink()
     if path.exists():
         if not (path / "metadata.yaml").exists():
-            raise RunError(f"{path}: exists and is no bag; remove it, or name another folder")
+            raise RunError(f"{path}: exists and is not a bag; remove it, or name another folder")
         path.rename(new.with_name(f"{path.name}-before"))
     new.rename(path)
 

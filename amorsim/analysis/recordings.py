@@ -251,8 +251,9 @@ def _opened(path: Path) -> Callable[[Path, Wanted], Iterator[_Received]]:
     if path.suffix != ".mcap":
         if is_file(path) and path.suffix not in (".bag", ".db3"):
             raise AnalysisError(
-                f"{path}: is no recording that can be read: expected the folder of a run or of a rosbag, a file that "
-                "ends in .bag or .mcap, or a log of CARMEN, which ends in .log, .clf or .gfs, and perhaps .gz after it"
+                f"{path}: is not a recording that can be read: expected the folder of a run or of a rosbag, a file "
+                "that ends in .bag or .mcap, or a log of CARMEN, which ends in .log, .clf or .gfs, and perhaps .gz "
+                "after it"
             )
         return _bag
     with _damage(path):

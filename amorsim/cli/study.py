@@ -46,7 +46,7 @@ def check_out(out: Path | None) -> None:
     if out is None and nearest == place and not is_folder(place):
         raise RunError(f"{place}: is in the way of the folder for runs; name one with --out")
     if not is_folder(nearest):
-        raise RunError(f"{place}: cannot make this folder ({nearest} is no folder)")
+        raise RunError(f"{place}: cannot make this folder ({nearest} is not a folder)")
     if not os.access(nearest, os.W_OK | os.X_OK):
         raise RunError(f"{place}: cannot make this folder or write into it (no permission to write in {nearest})")
 

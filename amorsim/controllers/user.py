@@ -210,7 +210,7 @@ class _Answers:
                 raise self._wrong(row, answer, f"there is no channel {in_words(unknown[0])}")
             self._rates[row] = self._numbers(row, answer, [answer.get(name, 0.0) for name in channels])
         else:
-            raise self._wrong(row, answer, f"a {type(answer).__name__} is no command")
+            raise self._wrong(row, answer, f"a {type(answer).__name__} is not a command")
 
     def command(self) -> Array:
         """The command `(N, c)` of all rows."""
@@ -235,7 +235,7 @@ class _Answers:
         found = []
         for value in values:
             if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.integer, np.floating)):
-                raise self._wrong(row, answer, f"{in_words(value)} is no number")
+                raise self._wrong(row, answer, f"{in_words(value)} is not a number")
             try:
                 number = float(value)
             except OverflowError:  # an integer with hundreds of digits

@@ -59,7 +59,7 @@ class UserEstimator(UserCode, Estimator):
         Raises
         ------
         ComponentError
-            If it is no class, an object cannot be made, or has no method `update`.
+            If it is not a class, an object cannot be made, or has no method `update`.
         """
         starts = context.pose.copy().view(PoseVector)
         state = self.make_objects(context.rows, context.robot.who, lambda row: {"start": starts[row]})

@@ -26,10 +26,10 @@ def decoded(data: bytes, path: Path, kind: str) -> str:
     Raises
     ------
     ScenarioError
-        If it is no text.
+        If it is not text.
     """
     if binary := _BINARY.search(data):
-        problem = f"byte {binary.start()} is {binary.group()[0]:#04x}: this is no text file, and {kind} is one"
+        problem = f"byte {binary.start()} is {binary.group()[0]:#04x}: this is not a text file, and {kind} is one"
         raise ScenarioError([Fault(file=str(path), path="", message=problem)])
     try:
         return data.decode("utf-8-sig")

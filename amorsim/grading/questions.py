@@ -77,7 +77,7 @@ def read_questions(path: str | os.PathLike[str]) -> tuple[Question, ...]:
 
 
 def answers_from(sent: Any) -> Answers:
-    """The answers in a submission: finite numbers and short words, by name; anything else is no answer."""
+    """The answers in a submission: finite numbers and short words, by name; anything else is not an answer."""
     found: dict[str, float | str] = {}
     if isinstance(sent, dict) and len(sent) <= _MOST:
         for name, value in sent.items():

@@ -140,7 +140,7 @@ class Remote:
             if kind == "wheels":
                 return WheelSpeeds(*value)
         except TypeError:
-            raise ControllerError(f"it answered {in_words(value)}, which is no command") from None
+            raise ControllerError(f"it answered {in_words(value)}, which is not a command") from None
         return value
 
     def begin(self, pose: Array) -> None:
@@ -226,7 +226,7 @@ class Remote:
         except (ValueError, RecursionError):
             answer = None
         if not isinstance(answer, list) or len(answer) != 2:
-            raise ControllerError(f"it answered {line[:60]!r}, which is no command ({when})")
+            raise ControllerError(f"it answered {line[:60]!r}, which is not a command ({when})")
         kind, value = answer
         if kind == "error":
             raise ControllerError(f"{value} ({when})")

@@ -129,7 +129,7 @@ def page_of(rubric: Rubric, found: Grade) -> Page:
     )
     page.paragraph("Points are the mean over all runs. Seeds and worlds of the runs stay with the lecturer.")
     if rubric.practice:
-        page.paragraph("For practice: the seeds are known, so these are no marks.")
+        page.paragraph("For practice: the seeds are known, so these are not marks.")
     if found.fence == UNFENCED:
         page.paragraph("Graded without a fence: the submission could read and change what the lecturer can.")
     return page

@@ -38,7 +38,7 @@ class SimulationParallelVectorEnv:
     Raises
     ------
     AmorsimError
-        If the robots are not alike, or a period is no whole number of the scenario's steps.
+        If the robots are not alike, or a period is not a whole number of the scenario's steps.
     """
 
     def __init__(

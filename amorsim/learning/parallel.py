@@ -37,7 +37,7 @@ class SimulationParallelEnv(ParallelEnv):  # type: ignore[misc]
     Raises
     ------
     AmorsimError
-        If the robots are not alike, or a period is no whole number of the scenario's steps.
+        If the robots are not alike, or a period is not a whole number of the scenario's steps.
     """
 
     def __init__(
@@ -81,7 +81,7 @@ class SimulationParallelEnv(ParallelEnv):  # type: ignore[misc]
         Raises
         ------
         ValueError
-            If the seed is no whole number from 0 to 2^32 - 2.
+            If the seed is not a whole number from 0 to 2^32 - 2.
         """
         if seed is None and self._is_begun:
             self._worlds.begin_again(np.array([True]))

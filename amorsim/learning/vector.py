@@ -65,7 +65,7 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
     Raises
     ------
     AmorsimError
-        If the scenario has another number of robots than one, or a period is no whole number of its steps.
+        If the scenario has another number of robots than one, or a period is not a whole number of its steps.
     """
 
     def __init__(

@@ -68,7 +68,7 @@ class Worlds:
     Raises
     ------
     AmorsimError
-        If the robots are not alike, or a period is no whole number of the scenario's steps.
+        If the robots are not alike, or a period is not a whole number of the scenario's steps.
     """
 
     def __init__(

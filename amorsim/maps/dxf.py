@@ -224,7 +224,7 @@ def _parse(path: Path) -> tuple[Any, bool]:
     if data.startswith(b"AC10"):
         raise MapError("it is a DWG drawing; save it as DXF")
     if b"SECTION" not in data:
-        raise MapError("this is no DXF drawing: it has no section")
+        raise MapError("this is not a DXF drawing: it has no section")
     logging.getLogger("ezdxf").setLevel(logging.CRITICAL)  # what it mends is nothing for a user
     is_whole = b"EOF" in data[-200:]
     try:
@@ -233,6 +233,6 @@ def _parse(path: Path) -> tuple[Any, bool]:
         # Programs of DOS end a text with the sign 26.
         return recover.read(io.BytesIO(data.rstrip(b"\x1a")))[0], is_whole
     except DXFError as error:
-        raise MapError(f"this is no whole DXF drawing: {str(error)[:200]}") from error
+        raise MapError(f"this is not a whole DXF drawing: {str(error)[:200]}") from error
     except Exception as error:  # a damaged file makes it raise nearly anything
         raise MapError(f"ezdxf cannot read it: {type(error).__name__}: {str(error)[:200]}") from error

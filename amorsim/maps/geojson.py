@@ -129,7 +129,7 @@ class GeoJson(MapLoader):
                 )
             return lambda line: line
         if not is_angular:
-            raise MapError("it has numbers that are no longitude and latitude; say coordinates = 'metres'")
+            raise MapError("it has numbers that are not longitude and latitude; say coordinates = 'metres'")
         # What lies on both sides of the date line is narrower when counted from 0 to 360 degrees.
         eastward = every[:, 0] % 360.0
         if eastward.max() - eastward.min() < high[0] - low[0]:
@@ -224,9 +224,9 @@ def _parse(path: Path) -> Any:
     try:
         return json.loads(read_bytes(path, _MOST_BYTES).decode("utf-8-sig"), parse_int=float)
     except UnicodeDecodeError as error:
-        raise MapError(f"byte {error.start} is no UTF-8, and GeoJSON is") from error
+        raise MapError(f"byte {error.start} is not UTF-8, and GeoJSON is") from error
     except json.JSONDecodeError as error:
-        raise MapError(f"line {error.lineno}: this is no JSON: {error.msg}") from error
+        raise MapError(f"line {error.lineno}: this is not JSON: {error.msg}") from error
     except RecursionError as error:
         raise MapError("it is nested too deeply") from error
     except (OSError, ValueError) as error:

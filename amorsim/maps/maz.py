@@ -76,7 +76,7 @@ class Maz(MapLoader):
         try:
             text = read_bytes(path, _MOST_BYTES).decode("utf-8-sig")
         except UnicodeDecodeError as error:
-            raise MapError(f"byte {error.start} is no UTF-8: this is no maze") from error
+            raise MapError(f"byte {error.start} is not UTF-8: this is not a maze") from error
         except (OSError, ValueError) as error:
             raise MapError(f"cannot be read: {reason(error)}") from error
         lines = [line.rstrip() for line in _LINE_END.split(text.rstrip("\x1a").rstrip())]

@@ -79,8 +79,8 @@ class MovingAI(MapLoader):
             if (occupied > 1).any():
                 row, column = np.argwhere(occupied > 1)[0].tolist()
                 raise MapError(
-                    f"line {first + row}, column {column + 1}: {chr(letters[row, column])!r} is no cell; expected one "
-                    "of '.GSW@OT'"
+                    f"line {first + row}, column {column + 1}: {chr(letters[row, column])!r} is not a cell; expected "
+                    "one of '.GSW@OT'"
                 )
             warnings = [] if self.resolution is not None else [_NO_RESOLUTION]
             return Map.from_array(
@@ -167,14 +167,14 @@ def _problem(line: str, number: int) -> Problem:
     whole = [words[0].strip(), *(word.strip() for word in words[2:8])]
     for word in whole:
         if _WHOLE.fullmatch(word) is None:
-            raise MapError(f"line {number}: {word!r} is no whole number")
+            raise MapError(f"line {number}: {word!r} is not a whole number")
     bucket, width, height, start_x, start_y, goal_x, goal_y = map(int, whole)
     try:
         optimal = float(words[8])
     except ValueError:
         optimal = math.nan
     if not (math.isfinite(optimal) and optimal >= 0.0):
-        raise MapError(f"line {number}: {words[8].strip()!r} is no length of a path")
+        raise MapError(f"line {number}: {words[8].strip()!r} is not a length of a path")
     if not (max(start_x, goal_x) < width and max(start_y, goal_y) < height):
         raise MapError(f"line {number}: start or goal is outside the map, which has {width} x {height} cells")
     return Problem(

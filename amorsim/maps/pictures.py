@@ -286,9 +286,9 @@ def _complaints() -> Iterator[None]:
             "most; make the picture smaller"
         ) from error
     except UnidentifiedImageError as error:  # its text names the file object, which does not help a user
-        raise MapError(f"it is no {_formats()} image, or its header is damaged") from error
+        raise MapError(f"it is not a {_formats()} image, or its header is damaged") from error
     except Exception as error:  # a damaged file makes pillow raise nearly anything
-        raise MapError(f"it is no whole {_formats()} image: {error}") from error
+        raise MapError(f"it is not a whole {_formats()} image: {error}") from error
 
 
 def _formats() -> str:

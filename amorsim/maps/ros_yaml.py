@@ -41,7 +41,7 @@ def parse_map_yaml(text: str) -> MapYaml:
     Raises
     ------
     MapError
-        If it is no YAML, a key is missing or doubled, or a value is none that the key may have; with the line.
+        If it is not YAML, a key is missing or doubled, or a value is none that the key may have; with the line.
     """
     nodes, remarks = _top(text)
     for key in _REQUIRED:
@@ -90,11 +90,11 @@ def _top(text: str) -> tuple[dict[str, yaml.Node], tuple[str, ...]]:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         where = f"line {mark.line + 1}: " if mark is not None else ""
-        raise MapError(f"{where}this is no YAML: {error.problem or error.context}") from error
+        raise MapError(f"{where}this is not YAML: {error.problem or error.context}") from error
     except (yaml.YAMLError, RecursionError, ValueError) as error:
-        raise MapError(f"this is no YAML: {type(error).__name__}") from error
+        raise MapError(f"this is not YAML: {type(error).__name__}") from error
     if not isinstance(top, yaml.MappingNode):
-        raise MapError("this is no YAML file of a ROS map, which has lines such as 'resolution: 0.05'")
+        raise MapError("this is not a YAML file of a ROS map, which has lines such as 'resolution: 0.05'")
     nodes: dict[str, yaml.Node] = {}
     others = []
     for key, value in top.value:
@@ -104,7 +104,7 @@ def _top(text: str) -> tuple[dict[str, yaml.Node], tuple[str, ...]]:
         if name in _KEYS:
             nodes[name] = value
         else:
-            others.append(f"{_at(key)}: {name[:40]!r} is no key of a ROS map.{did_you_mean(name[:40], _KEYS)}")
+            others.append(f"{_at(key)}: {name[:40]!r} is not a key of a ROS map.{did_you_mean(name[:40], _KEYS)}")
     more = f" ({len(others) - 1} more such keys)" if len(others) > 1 else ""
     return nodes, (others[0] + more,) if others else ()
 

@@ -94,9 +94,9 @@ def parse_svg(path: Path) -> tuple[ET.Element, Lines]:
         parser.Parse(data, True)
         root: ET.Element = builder.close()
     except expat.ExpatError as error:
-        raise MapError(f"line {error.lineno}: this is no XML: {str(error).split(':')[0]}") from error
+        raise MapError(f"line {error.lineno}: this is not XML: {str(error).split(':')[0]}") from error
     except (ValueError, LookupError) as error:
-        raise MapError(f"this is no XML: {error}") from error
+        raise MapError(f"this is not XML: {error}") from error
     if root.tag not in ("svg", f"{_SVG}svg"):
         raise MapError(f"its root is {root.tag[:60]!r}; expected 'svg'")
     return root, lines

@@ -57,7 +57,7 @@ class Wld(MapLoader):
         binary = _BINARY.search(data)
         if binary:
             raise MapError(
-                f"{path}: byte {binary.start()} is {binary.group()[0]:#04x}: this is no text file, and a "
+                f"{path}: byte {binary.start()} is {binary.group()[0]:#04x}: this is not a text file, and a "
                 "line world (.wld) is one"
             )
         try:

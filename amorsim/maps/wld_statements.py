@@ -147,7 +147,7 @@ class _Reader:
             elif _is_numeric(word):
                 self._read_wall(words)
             else:
-                raise _LineError(f"{words[0]!r} is no statement.{did_you_mean(word, _STATEMENTS)}")
+                raise _LineError(f"{words[0]!r} is not a statement.{did_you_mean(word, _STATEMENTS)}")
         except _LineError as complaint:
             self._warn(f"left out {' '.join(words)!r}: {complaint}")
         if not self._outer:
@@ -205,7 +205,7 @@ class _Reader:
         values = []
         for word in words:
             if not _is_numeric(word):
-                raise _LineError(f"{word!r} is no number")
+                raise _LineError(f"{word!r} is not a number")
             value = float(word)
             if not abs(value) <= _FARTHEST_MM:
                 raise MapError(

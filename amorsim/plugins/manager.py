@@ -181,6 +181,6 @@ def _report_strays(plugin: Plugin, module: Any, manager: pluggy.PluginManager, r
         if name in _HOOKS:
             registry.report(f"{plugin}: {name} is not marked with @amorsim.hookimpl, so it is never called.")
         elif callable(getattr(module, name)):
-            registry.report(f"{plugin}: {name} is no hook; hooks: {', '.join(_HOOKS)}.{did_you_mean(name, _HOOKS)}")
+            registry.report(f"{plugin}: {name} is not a hook; hooks: {', '.join(_HOOKS)}.{did_you_mean(name, _HOOKS)}")
     if not marked.intersection(_HOOKS):
         registry.report(f"{plugin} has no hook, so it does nothing; hooks: {', '.join(_HOOKS)}.")

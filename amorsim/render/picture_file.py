@@ -40,6 +40,6 @@ def read_png(path: Path) -> bytes:
     except RunError:
         raise
     except (Exception, Image.DecompressionBombError) as error:  # pillow raises all kinds of them for broken files
-        what = "it is no PNG" if isinstance(error, UnidentifiedImageError) else f"it is damaged: {error}"
+        what = "it is not a PNG" if isinstance(error, UnidentifiedImageError) else f"it is damaged: {error}"
         raise RunError(f"{path}: cannot be read ({what})") from None
     return data

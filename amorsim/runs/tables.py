@@ -100,7 +100,7 @@ def check_file(path: Path, largest: float = math.inf) -> None:
     except (OSError, ValueError) as error:
         raise RunError(f"{path}: cannot be read ({getattr(error, 'strerror', None) or error})") from None
     if not stat.S_ISREG(about.st_mode):
-        what = "it is a folder" if stat.S_ISDIR(about.st_mode) else "it is no regular file"
+        what = "it is a folder" if stat.S_ISDIR(about.st_mode) else "it is not a regular file"
         raise RunError(f"{path}: cannot be read ({what})")
     if about.st_size > largest:
         raise RunError(f"{path}: cannot be read (it has {about.st_size:.3g} bytes; expected at most {largest:.3g})")

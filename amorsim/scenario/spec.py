@@ -92,7 +92,7 @@ class Deviation:
 
     def __attrs_post_init__(self) -> None:
         if self.value is not None and (self.scale, self.add) != (1.0, 0.0):
-            takes = "value takes the place of the nominal one; None is no value"
+            takes = "value takes the place of the nominal one; None is not a value"
             raise ParameterError("value", f"expected either value, or scale and add: {takes}")
 
     @property

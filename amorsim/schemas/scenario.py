@@ -39,7 +39,7 @@ _SEED: Schema = {"type": "integer", "minimum": 0, "maximum": 2**63 - 1}
 _COUNT: Schema = {"type": "integer", "minimum": 1, "maximum": MOST_BODIES, "description": "how many of these there are"}
 _PER: Schema = {"enum": ["replica", "study"], "description": "who draws: each replica, or the study once"}
 
-# No component of its own is named in a table, so that it changes the model's; or it is no table.
+# No component of its own is named in a table, so that it changes the model's; or it is not a table.
 _NAMED: Schema = {"type": "object", "anyOf": [{"required": ["use"]}, {"required": ["model"]}]}
 _UNNAMED: Schema = {"not": _NAMED}
 

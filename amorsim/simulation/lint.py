@@ -63,7 +63,7 @@ def _of_parts(scenario: Scenario) -> list[str]:
             ticks = unit.latency / scenario.dt
             if abs(ticks - round(ticks)) > 1e-6:
                 remarks.append(
-                    f"{path}.latency: {unit.latency:g} s is no multiple of dt ({scenario.dt:g} s); "
+                    f"{path}.latency: {unit.latency:g} s is not a multiple of dt ({scenario.dt:g} s); "
                     "readings arrive at the first step after it"
                 )
         if robot.controller is None:

@@ -221,7 +221,7 @@ def read_study_about(folder: Path) -> dict[str, Any]:
     Raises
     ------
     StudyError
-        If it is no study's folder, of another version, or damaged.
+        If it is not a study's folder, of another version, or damaged.
     """
     path = folder / ABOUT
     try:

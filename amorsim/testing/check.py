@@ -218,7 +218,7 @@ def _who(cls: type) -> Who:
         if issubclass(cls, contract):
             return Who(kind, cls)
     known = ", ".join(contract.__name__ for contract in _KINDS.values())
-    raise ComponentError(f"{cls.__name__} is no component that can be checked: expected a subclass of one of {known}")
+    raise ComponentError(f"{cls.__name__} cannot be checked: expected a subclass of one of {known}")
 
 
 def _check_class(who: Who, cls: type) -> None:

@@ -51,7 +51,7 @@ def make_world(made: MadeWorld) -> Map:
     except RAISED as error:  # a third party's generator
         raise MapError(f"{who} failed with {error_in_words(error)}") from error
     if not isinstance(found, Map):
-        raise MapError(f"{who} gave {found!r}, which is no map")
+        raise MapError(f"{who} gave {found!r}, which is not a map")
     if found.start is None or out_of_reach(found, *found.start[:2]):
         raise MapError(f"{who} gave a map whose start is {found.start}; expected a free place")
     return attrs.evolve(found, source=made)

@@ -135,7 +135,7 @@ def test_a_bag_replaces_a_bag_and_nothing_else(run: Path, bag: Path, tmp_path: P
     assert len(read_bag(bag, "/rover/odom")) == 11
     (tmp_path / bag.name).mkdir()
     (tmp_path / bag.name / "thesis.tex").touch()
-    with pytest.raises(am.RunError, match="exists and is no bag"):
+    with pytest.raises(am.RunError, match="exists and is not a bag"):
         export_run(run, "rosbag", tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == [bag.name]
 
@@ -165,7 +165,7 @@ def test_mistakes_are_explained(run: Path, bag: Path, mcap: Path, tmp_path: Path
             list(read_log(path, robot))
     text = tmp_path / "README.md"
     text.write_text("a text")
-    with pytest.raises(am.AnalysisError, match=r"README.md: is no recording that can be read: expected .* \.mcap"):
+    with pytest.raises(am.AnalysisError, match=r"README.md: is not a recording that can be read: expected .* \.mcap"):
         list(read_log(text, robot))
 
 

@@ -144,7 +144,7 @@ def test_a_map_alone_is_entered_where_it_says(amorsim: Command, tmp_path: Path) 
 
 @pytest.mark.parametrize("position", ["", "position 2000 1000 0\n"])
 def test_a_map_alone_is_entered_where_most_room_is(amorsim: Command, tmp_path: Path, position: str) -> None:
-    """Where it does not say a place, and where its place is in a wall: that is no mistake of who runs it."""
+    """Where it does not say a place, and where its place is in a wall: that is not a mistake of who runs it."""
     result = amorsim("run", box(tmp_path, position), "--duration", "0.1", "--out", "run")
     assert result.status == 0
     x, y, _ = first_pose(tmp_path / "run")

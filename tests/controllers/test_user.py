@@ -181,11 +181,11 @@ def test_each_row_has_an_object_of_its_own():
         ([[1.0, 2.0]], "there are 2 channels"),
         ((1.0, math.nan), "nan is not finite"),
         (Twist(math.inf, 0.0), "inf is not finite"),
-        (Twist("fast"), "'fast' is no number"),
-        ((True, 1.0), "True is no number"),
+        (Twist("fast"), "'fast' is not a number"),
+        ((True, 1.0), "True is not a number"),
         ({"middle": 1.0}, "no channel 'middle'"),
-        (3.0, "a float is no command"),
-        ("go", "a str is no command"),
+        (3.0, "a float is not a command"),
+        ("go", "a str is not a command"),
     ],
 )
 def test_what_is_no_command_is_refused_with_what_would_be(answer, problem):

@@ -69,7 +69,7 @@ def test_vertices_on_a_straight_border_are_dropped():
 
 
 def test_the_paths_of_a_tenth_are_straight():
-    """Multiples of 0.1 lie on a line only up to rounding, and are no reflex corners either."""
+    """Multiples of 0.1 lie on a line only up to rounding, and are not reflex corners either."""
     slope = [(0.1 * i, 0.3 * i) for i in range(1, 10)]
     assert len(Shape.polygon([(0, 0), (1, 0), (1, 3), *slope[::-1]]).outline) == 3
 

@@ -17,8 +17,8 @@ GPS, COMPASS, GYRO = 0.2, 0.05, 0.01
 def ended(name, lost=(), begins=0, value=np.nan, jumps=(), blind=(), apart=()):
     """The last estimate and beliefs of an estimator that got no reading in some steps, and its pose with all readings.
 
-    In `lost` the encoder's is no number or `value`; in `blind` there is none of any other sensor. In `apart` the other
-    sensors' readings come 0.01 s after the encoder's.
+    In `lost` the encoder's is not a number or `value`; in `blind` there is none of any other sensor. In `apart` the
+    other sensors' readings come 0.01 s after the encoder's.
     """
     sim = am.Simulation(scenario(name), seed=5)
     runner = am.EstimatorRunner(sim.scenario.robots[0], "it", dt=sim.dt, seed=5)

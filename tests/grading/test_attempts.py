@@ -236,17 +236,17 @@ MUCH = {
     ),
 }
 ANSWERS = {
-    "no json": Attempt("answer(b'forward!\\n')", "which is no command"),
-    "no text": Attempt('answer(b\'["twist", "\\xff\\xfe"]\\n\')', "which is no command"),
-    "depth": Attempt("answer(b'[' * 100_000 + b'\\n')", "which is no command"),
-    "a table": Attempt('answer(b\'{"twist": 1, "wheels": 2}\\n\')', "which is no command"),
-    "digits": Attempt("answer(b'[\"twist\", [1' + b'0' * 5000 + b', 0, 0]]\\n')", "which is no command"),
+    "no json": Attempt("answer(b'forward!\\n')", "which is not a command"),
+    "no text": Attempt('answer(b\'["twist", "\\xff\\xfe"]\\n\')', "which is not a command"),
+    "depth": Attempt("answer(b'[' * 100_000 + b'\\n')", "which is not a command"),
+    "a table": Attempt('answer(b\'{"twist": 1, "wheels": 2}\\n\')', "which is not a command"),
+    "digits": Attempt("answer(b'[\"twist\", [1' + b'0' * 5000 + b', 0, 0]]\\n')", "which is not a command"),
     "a large number": Attempt(
         "answer(b'[\"twist\", [1' + b'0' * 400 + b', 0, 0]]\\n')", r"returned Twist\(forward=1000"
     ),
     "no number": Attempt("answer(b'[\"twist\", [NaN, Infinity, 1e999]]\\n')", "is not finite"),
-    "too many numbers": Attempt("answer(b'[\"twist\", [1, 2, 3, 4, 5]]\\n')", "which is no command"),
-    "nothing": Attempt("answer(b'[\"wheels\", null]\\n')", "which is no command"),
+    "too many numbers": Attempt("answer(b'[\"twist\", [1, 2, 3, 4, 5]]\\n')", "which is not a command"),
+    "nothing": Attempt("answer(b'[\"wheels\", null]\\n')", "which is not a command"),
     "half a character": Attempt("raise ValueError('\\ud800 \\udfff')", r"\\ud800 \\udfff"),
     "colours": Attempt("raise ValueError('\\x1b[2J\\x1b[31m \\u202e \\x00')", r"\\x1b\[2J\\x1b\[31m \\u202e \\x00"),
     "a formula": Attempt('answer(b\'["error", "=HYPERLINK(1)"]\\n\')', "=HYPERLINK"),

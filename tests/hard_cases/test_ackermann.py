@@ -20,7 +20,7 @@ from tests.hard_cases.common import SLIP, Hold, Weave, advance, check_bits, room
 
 Array = npt.NDArray[np.float64]
 
-# Gauss's nodes and weights on [0, 1]: the path while the wheel turns is no elementary function, its heading is.
+# Gauss's nodes and weights on [0, 1]: the path while the wheel turns is not an elementary function, its heading is.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 _NODES, _WEIGHTS = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS
 

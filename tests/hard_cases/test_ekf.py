@@ -98,8 +98,8 @@ class MapEkf(Estimator):
         with np.errstate(invalid="ignore"):
             slopes = (ranges[:, 2::2] - ranges[:, 1::2]) / (2.0 * _NUDGE)[:, None]  # (N, 3, beams)
             innovations = reading.measured[:, which] - ranges[:, 0]
-            # Where a nudge meets another wall, the difference is no slope; those of one wall, not seen too flatly, stay
-            # below three metres a metre, and below three times the range a radian.
+            # Where a nudge meets another wall, the difference is not a slope; those of one wall, seen not too flatly,
+            # are below three metres a metre, and below three times the range a radian.
             plain = np.full_like(ranges[:, 0], 3.0)
             limit = np.stack((plain, plain, 3.0 * ranges[:, 0]), axis=1)
             smooth = (np.abs(slopes) < limit).all(axis=1)

@@ -223,7 +223,7 @@ def test_ranges_are_exact_to_a_few_units_in_the_last_place(far):
         if not crossings or min(sine for _, sine in crossings) < 0.05:
             continue
         expected, sine = crossings[0]
-        place = abs(expected) + shape.reach  # far from the world's origin is no excuse: the difference is exact
+        place = abs(expected) + shape.reach  # far from the world's origin is not an excuse: the difference is exact
         worst = max(worst, abs(float(found - expected)) * float(sine) / (place * 2.0**-52))
         checked += 1
     assert checked > 1000

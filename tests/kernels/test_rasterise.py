@@ -87,7 +87,7 @@ def test_lines_almost_through_a_grid_point_are_decided_exactly(
 
 
 def test_a_wall_on_a_grid_line_fills_both_sides_in_metres() -> None:
-    # 1.009 m is no whole number of doubles' millimetres.
+    # 1.009 m is not a whole number of doubles' millimetres.
     for millimetres in range(1000, 1100):
         wall = np.array([[millimetres / 1000, 0.0, millimetres / 1000, 0.01]])
         cells = cells_of(grid_from_segments(wall, 10, 1200, 0.001))

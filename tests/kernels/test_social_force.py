@@ -77,7 +77,7 @@ def test_forces_are_the_gradients_of_their_potentials(relative: bool) -> None:
     walls = np.where(random.uniform(size=(rows, rays)) < 0.6, random.uniform(0.1, 2.0, (rows, rays)), np.inf)
     around = np.arange(rays) * 2.0 * np.pi / rays
     bearings = np.column_stack((np.cos(around), np.sin(around)))
-    # Who stands in another is no case; nor, for differences, who is nearly on the other's way.
+    # Who stands in another is not a case; nor, for differences, who is nearly on the other's way.
     gaps = np.linalg.norm(poses[:, :, None, :2] - poses[:, None, :, :2], axis=3) + 10.0 * np.eye(bodies)
     clear = gaps.min(axis=(1, 2)) > 0.6
     case = (

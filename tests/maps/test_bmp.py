@@ -332,7 +332,7 @@ def test_a_file_cut_short_is_refused(tmp_path: Path, kind: str) -> None:
     path = tmp_path / "short.bmp"
     grey(*[[0, 255] * 40] * 60).save(path, kind)
     path.write_bytes(path.read_bytes()[:-60])
-    with pytest.raises(MapError, match=r"short\.bmp: it is no whole BMP, PNG"):
+    with pytest.raises(MapError, match=r"short\.bmp: it is not a whole BMP, PNG"):
         Bitmap().load(path)
 
 

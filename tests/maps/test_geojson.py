@@ -97,7 +97,7 @@ def test_what_is_left_out_is_remarked_on_once(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("document", "words"),
     [
-        ('{"type":\n"Feature"', "line 2: this is no JSON"),
+        ('{"type":\n"Feature"', "line 2: this is not JSON"),
         ([1], "the file: expected an object with a 'type', got a list of 1"),
         ({"type": "Line"}, "the file: type is 'Line'; expected one of Point"),
         ({"type": "FeatureCollection"}, "features: expected a list, got None"),

@@ -95,7 +95,7 @@ def test_what_follows_the_rows_is_remarked_on(tmp_path: Path) -> None:
         (SMALL.replace("@.T", "@.."[:2]), "line 5: the row has 2 cells; expected 3"),
         (SMALL.replace(".SW\n", ""), "line 6: the row has 0 cells; expected 3|line 5: the map ends after 1 rows"),
         (SMALL.replace(".SW", ".SWW"), "line 6: the row has 4 cells; expected 3"),
-        (SMALL.replace(".SW", ".xW"), "line 6, column 2: 'x' is no cell"),
+        (SMALL.replace(".SW", ".xW"), "line 6, column 2: 'x' is not a cell"),
         (SMALL.replace("height 2", "height -2"), "line 2: height is '-2'; expected a whole number above 0"),
         (SMALL.replace("height 2\n", ""), "no line 'height N'"),
         (SMALL.replace("map\n", "maps\n"), "line 4: 'maps' is none of: type octile"),
@@ -131,9 +131,9 @@ def test_problems_count_rows_from_the_bottom(tmp_path: Path) -> None:
     ("row", "words"),
     [
         ("0\ta\t3\t2\t0\t1\t2\t0", "line 2: a row has 8 columns"),
-        ("0\ta\t3\t2\t0\t-1\t2\t0\t1", "line 2: '-1' is no whole number"),
+        ("0\ta\t3\t2\t0\t-1\t2\t0\t1", "line 2: '-1' is not a whole number"),
         ("0\ta\t3\t2\t0\t2\t2\t0\t1", "line 2: start or goal is outside the map"),
-        ("0\ta\t3\t2\t0\t1\t2\t0\tnan", "line 2: 'nan' is no length"),
+        ("0\ta\t3\t2\t0\t1\t2\t0\tnan", "line 2: 'nan' is not a length"),
     ],
 )
 def test_broken_rows_of_problems_are_named(tmp_path: Path, row: str, words: str) -> None:

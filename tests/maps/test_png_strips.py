@@ -137,7 +137,7 @@ def test_damaged_data_give_an_error_of_maps(tmp_path, strips, name, change):
     data = np.random.default_rng(1).integers(0, 255, (20, 61), np.uint8)
     data[:, 0] = 0
     path.write_bytes(png(20, 20, data.tobytes(), change=change))
-    with pytest.raises(MapError, match=r"a\.png: it is no whole .* image: "):
+    with pytest.raises(MapError, match=r"a\.png: it is not a whole .* image: "):
         Bitmap(resolution=0.1, threshold=0.5).load(path)
 
 

@@ -176,7 +176,7 @@ def test_a_picture_next_to_the_file_goes_before_one_named_by_its_whole_path(tmp_
 def test_other_keys_are_remarked_on_once(tmp_path: Path) -> None:
     world = Ros().load(write(tmp_path, [[0, 255]], free_tresh=0.2, author="x", more=[1, 2]))
     (warning,) = world.warnings
-    assert warning.startswith("line 4: 'free_tresh' is no key of a ROS map. Did you mean 'free_thresh'?")
+    assert warning.startswith("line 4: 'free_tresh' is not a key of a ROS map. Did you mean 'free_thresh'?")
     assert "2 more such keys" in warning
 
 
@@ -197,11 +197,11 @@ def test_other_keys_are_remarked_on_once(tmp_path: Path) -> None:
         ({"free_thresh": -0.1}, "line 4: free_thresh is -0.1; expected 0 to 1, a probability, such as 0.196"),
         (
             {"image": None, "Image": "lab.png"},
-            r"'image' is missing \(line 3: 'Image' is no key of a ROS map\. Did you m",
+            r"'image' is missing \(line 3: 'Image' is not a key of a ROS map\. Did you m",
         ),
         ({"image": "none.pgm"}, r"line 1: image .*none\.pgm: cannot be read: No such file"),
-        ({"image": "lab.yaml"}, r"line 1: image .*lab\.yaml: it is no BMP, PNG"),
-        ({"image": "{"}, "line [0-9]+: this is no YAML"),
+        ({"image": "lab.yaml"}, r"line 1: image .*lab\.yaml: it is not a BMP, PNG"),
+        ({"image": "{"}, "line [0-9]+: this is not YAML"),
         ({"image": "a\nimage: b"}, "line 2: a second 'image'; the first is in line 1"),
     ],
 )
@@ -238,7 +238,7 @@ def test_no_code_in_a_file_is_run(tmp_path: Path) -> None:
     path.write_text(f"{path.read_text()}more: {command}\n")
     assert len(Ros().load(path).warnings) == 1
     path.write_text(path.read_text().replace("resolution: 0.5", f"resolution: {command}"))
-    with pytest.raises(MapError, match="line 2: resolution is no number"):
+    with pytest.raises(MapError, match="line 2: resolution is not a number"):
         Ros().load(path)
     assert not (tmp_path / "ran").exists()
 

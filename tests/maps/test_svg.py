@@ -123,8 +123,8 @@ BOMB = '<line id="a0" x2="1"/>' + "".join(
 @pytest.mark.parametrize(
     ("inside", "words"),
     [
-        ("<line", "line 1: this is no XML"),
-        ("\n\n<g></h>", "line 3: this is no XML"),
+        ("<line", "line 1: this is not XML"),
+        ("\n\n<g></h>", "line 3: this is not XML"),
         ("", "it has no line"),
         ("<text>a</text>", r"it has no line \(left out: 1 texts\)"),
         (BOMB, "more than 200000 elements, by uses of uses"),

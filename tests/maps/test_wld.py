@@ -193,8 +193,8 @@ def test_artifact_doors_and_junctions_block_nothing() -> None:
         ("5000 0 0", "4, 6, 7 or 9 numbers, not 3"),
         ("1 2 3 4 5", "not 5"),
         ("1 2 3 4 5 6 7 8", "not 8"),
-        ("1 2 3 x", "'x' is no number"),
-        ("1 2 3 4 5_0 6", "'5_0' is no number"),
+        ("1 2 3 x", "'x' is not a number"),
+        ("1 2 3 4 5_0 6", "'5_0' is not a number"),
         ("١ ٢ ٣ ٤", "no statement"),
         ("width", "expected WIDTH, got 0 numbers"),
         ("width 5 6", "got 2 numbers"),
@@ -202,7 +202,7 @@ def test_artifact_doors_and_junctions_block_nothing() -> None:
         ("height -5", "more than 0"),
         ("floor 0 5", "more than 0"),
         ("push 1 2", "expected X Y TH"),
-        ("position 1 2 east", "'east' is no number"),
+        ("position 1 2 east", "'east' is not a number"),
         ("origin 1", "expected X Y"),
         ("WALL 1 2 3", "expected X Y TH LENGTH"),
         ("CORRIDOR (2) 1 2 3 4", "expected X Y TH LENGTH WIDTH"),
@@ -313,7 +313,7 @@ def test_texts_in_old_and_new_encodings(tmp_path: Path, data: bytes) -> None:
 def test_binary_files_are_refused(tmp_path: Path, data: bytes) -> None:
     path = tmp_path / "a.wld"
     path.write_bytes(data)
-    with pytest.raises(MapError, match=r"a\.wld: byte \d+ is 0x..: this is no text"):
+    with pytest.raises(MapError, match=r"a\.wld: byte \d+ is 0x..: this is not a text"):
         Wld().load(path)
 
 

@@ -151,7 +151,7 @@ def test_a_side_of_a_box_has_one_slope_up_to_its_corners():
 
 
 def test_a_body_before_a_wall_leaves_the_slope_of_the_wall():
-    """The post stands beside the beam, where the wall is felt for: it is no part of the wall."""
+    """The post stands beside the beam, where the wall is felt for: it is not part of the wall."""
     laser = am.sensors.Laser(beams=1, fov=0.1)
     post = Shape.circle(0.03)
     _, side = look(laser, slanting(0.4), (0.0, 0.0, 0.0), thing=post, at=(1.95, 0.04, 0.0))

@@ -74,7 +74,7 @@ def test_proportional_noise_grows_with_the_size_of_the_value():
 def test_noise_on_increments_is_a_random_walk():
     chain, n = many(Gaussian(std=0.3, per="increment")), 9
     values = np.full((ROWS, K), 100.0)
-    assert chain.sample(values).tobytes() == values.tobytes()  # the first sample is no increment
+    assert chain.sample(values).tobytes() == values.tobytes()  # the first sample is not an increment
     for _ in range(n):
         last = chain.sample(values)
     assert_normal(last, 0.3 * math.sqrt(n), mean=100.0)

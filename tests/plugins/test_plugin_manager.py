@@ -85,7 +85,7 @@ def test_hooks_that_are_not_marked_are_found():
     registry = made(bad=plugin(amorsim_register=amorsim_register, amorsim_run_startd=amorsim_run_startd), good=GOOD)
     text = "\n".join(registry.problems)
     assert "plugin 'bad': amorsim_register is not marked with @amorsim.hookimpl" in text
-    assert "plugin 'bad': amorsim_run_startd is no hook" in text
+    assert "plugin 'bad': amorsim_run_startd is not a hook" in text
     assert "plugin 'bad' has no hook" in text
     assert "doubled" in registry.names("noise")
 

@@ -60,9 +60,9 @@ GIF = (
 @pytest.mark.parametrize(
     ("data", "problem"),
     [
-        (b"no picture", "it is no PNG"),
-        (b"", "it is no PNG"),
-        (GIF, "it is no PNG"),
+        (b"no picture", "it is not a PNG"),
+        (b"", "it is not a PNG"),
+        (GIF, "it is not a PNG"),
         (png()[:200], "it is damaged"),
         (bomb(9000), "has 9000 x 9000 pixels; expected 70000000 at most"),
         (bomb(100_000), "it is damaged"),

@@ -172,7 +172,7 @@ def test_a_map_that_names_its_companion_by_its_whole_path_is_refused(tmp_path: P
     [
         (None, "Sheet.companions gave None; expected a list of paths"),
         (["cells"], "expected a list of paths"),
-        ([Path("gone")], r"gone, which it should read, is no file"),
+        ([Path("gone")], r"gone, which it should read, is not a file"),
     ],
 )
 def test_companions_that_are_none_are_refused(

@@ -146,12 +146,12 @@ def test_a_damaged_result_is_a_difference(folder: Path, name: str, cell: bytes) 
 def test_a_result_that_is_no_file_is_named(folder: Path) -> None:
     (folder / "velocities.csv").unlink()
     (folder / "velocities.csv").symlink_to("/dev/zero")
-    with pytest.raises(am.RunError, match=r"velocities.csv: cannot be read \(it is no regular file\)"):
+    with pytest.raises(am.RunError, match=r"velocities.csv: cannot be read \(it is not a regular file\)"):
         am.reproduce(folder)
 
 
 def test_an_input_that_is_no_file_is_named(folder: Path) -> None:
     (folder / "controller.py").unlink()
     (folder / "controller.py").symlink_to("/dev/zero")
-    with pytest.raises(am.RunError, match=r"controller.py: cannot be read \(it is no regular file\)"):
+    with pytest.raises(am.RunError, match=r"controller.py: cannot be read \(it is not a regular file\)"):
         am.reproduce(folder)

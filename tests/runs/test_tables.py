@@ -111,7 +111,7 @@ def test_what_is_no_regular_file_is_not_read(tmp_path: Path) -> None:
     with pytest.raises(am.RunError, match=r"poses.csv: cannot be read"):
         read_columns(tmp_path / "poses.csv", "poses")
     os.mkfifo(tmp_path / "poses.csv")
-    with pytest.raises(am.RunError, match="it is no regular file"):
+    with pytest.raises(am.RunError, match="it is not a regular file"):
         read_columns(tmp_path / "poses.csv", "poses")
 
 

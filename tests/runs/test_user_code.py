@@ -42,11 +42,11 @@ def check_whole(folder: Path, status: str, steps: int) -> None:
 @pytest.mark.parametrize(
     ("body", "problem"),
     [
-        ("return [1.0, [2.0, 3.0]]", "returned [1.0, [2.0, 3.0]]: [2.0, 3.0] is no number"),
-        ("return [[1.0], [2.0, 3.0]]", "[1.0] is no number"),
+        ("return [1.0, [2.0, 3.0]]", "returned [1.0, [2.0, 3.0]]: [2.0, 3.0] is not a number"),
+        ("return [[1.0], [2.0, 3.0]]", "[1.0] is not a number"),
         ("return [10 ** 400, 0.0]", "is too large"),
         ("return [10 ** 5000, 0.0]", "a int (which cannot be shown: ValueError) is too large"),
-        ("return Odd()", "returned a Odd (which cannot be shown: RuntimeError): a Odd is no command"),
+        ("return Odd()", "returned a Odd (which cannot be shown: RuntimeError): a Odd is not a command"),
         ("return {Odd(): 1.0}", "there is no channel a Odd (which cannot be shown: RuntimeError)"),
         ("return list(range(10000))", "15, 16"),
         ("raise Odder()", "raised Odder (its text cannot be shown: RuntimeError)"),

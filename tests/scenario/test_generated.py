@@ -163,7 +163,7 @@ def test_a_generator_of_ones_own(with_hall: Registry) -> None:
 @pytest.mark.parametrize(
     ("kind", "words"),
     [
-        ("nothing", "which is no map"),
+        ("nothing", "which is not a map"),
         ("crash", "failed with ZeroDivisionError: oh"),
         ("no start", "whose start is None; expected a free place"),
         ("in a wall", "expected a free place"),

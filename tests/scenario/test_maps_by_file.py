@@ -72,16 +72,16 @@ def test_where_two_claim_an_extension_the_first_bytes_decide(boxes, folder, tmp_
     [
         ("none.wld", {}, "none.wld: there is no such file"),
         (".", {}, "a folder; a map is a file"),
-        ("what.dwg", {}, r"a DWG drawing is no map that amorsim reads; save it as \.dxf$"),
+        ("what.dwg", {}, r"a DWG drawing is not a map that amorsim reads; save it as \.dxf$"),
         ("what.map.scen", {}, r"problems on a map of MovingAI .*; give the \.map$"),
-        ("what.SVGZ", {}, r"a compressed drawing is no map that amorsim reads; unpack it to a plain \.svg$"),
+        ("what.SVGZ", {}, r"a compressed drawing is not a map that amorsim reads; unpack it to a plain \.svg$"),
         ("what.xyz", {}, r"no map of a known format; known extensions: \.bmp, \.box, .*\.png, .*\.wld"),
         ("room.wld", {"resolutoin": 1.0}, r"'wld' has no option 'resolutoin'; .*[Dd]id you mean 'resolution'\?"),
         ("room.wld", {"resolution": "fine"}, r"option resolution: expected a number \[m\] > 0, got 'fine'"),
         ("room.wld", {"use": "wdl"}, r"no map loader 'wdl'.*Did you mean 'wld'\?"),
         ("a.box", {}, "side"),
         ("crash.box", {"side": 1.0}, "crash.box: Boxes failed with ZeroDivisionError: oh"),
-        ("nothing.box", {"side": 1.0}, "Boxes gave 'no map', which is no map"),
+        ("nothing.box", {"side": 1.0}, "Boxes gave 'no map', which is not a map"),
     ],
 )
 def test_what_is_wrong_is_said(boxes, folder, name, options, words):

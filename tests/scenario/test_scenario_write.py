@@ -260,7 +260,7 @@ def test_what_has_no_name_in_a_file_is_listed(registry):
         resolved_table(scenario, registry=registry)
     found = {fault.path: fault.message for fault in caught.value.faults}
     assert set(found) == {"world.map", "robots.0.ground.0", "robots.0.controller", "robots.0.errors", "robots.0.shape"}
-    assert "Mine is no noise that is registered" in found["robots.0.ground.0"]
+    assert "Mine is not registered" in found["robots.0.ground.0"]
     assert "FILE.py:" in found["robots.0.controller"]
 
 

@@ -230,7 +230,7 @@ def test_a_ring_hears_its_own_elements_by_a_wall_in_their_turns():
 
 
 def test_nothing_hears_its_own_echo_whatever_sensors_come_after_it():
-    """A wall met askew sends the own pulse away, which is no sound of others."""
+    """A wall met askew sends the own pulse away, which is not a sound of others."""
     noise = (SpecularLoss(critical=0.1), CrossTalk())
     unit = am.MountedSensor(sensor=sonar(), mount=am.Mount(x=0.1), noise=noise)
     tail = {"tail": am.MountedSensor(sensor=Laser(beams=3), mount=am.Mount(x=-0.1))}

@@ -57,7 +57,7 @@ def test_a_setting_lets_the_controller_go_on() -> None:
     assert sim.robot("rover").is_active
     sim.robot("rover").drive(forward=-0.5)
     sim.run(2.0)
-    assert sim.true_pose[0, 0] == pytest.approx(5.799 - 1.0, abs=1e-6)  # touching is no bond
+    assert sim.true_pose[0, 0] == pytest.approx(5.799 - 1.0, abs=1e-6)  # touching is not a bond
 
 
 def test_encoders_count_only_what_the_wheels_turned() -> None:

@@ -32,7 +32,7 @@ class Counting(am.Controller):
 
 @attrs.frozen(kw_only=True)
 class Odd(Counting):
-    """Reports what is no report."""
+    """Reports what is not a report."""
 
     def reports(self, state):
         return [(0, "two words", 1)]

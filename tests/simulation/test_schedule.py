@@ -135,7 +135,7 @@ def test_a_subclass_that_overrides_the_simple_form_is_called_by_it() -> None:
 
 
 class Reversed:
-    """A mixin, which is no sensor, that overrides a simple form."""
+    """A mixin, which is not a sensor, that overrides a simple form."""
 
     def sense(self, view: Any, aim: Any, state: Any, draws: Any) -> Any:
         """The opposite."""

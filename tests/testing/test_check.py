@@ -1013,7 +1013,7 @@ def test_broken_components_fail_their_check(cls: type, check: str) -> None:
 
 
 def test_what_is_no_component_is_refused() -> None:
-    with pytest.raises(ComponentError, match=r"int is no component.*Drive, Sensor"):
+    with pytest.raises(ComponentError, match=r"int cannot be checked.*Drive, Sensor"):
         check_component(3)
 
 
@@ -1031,7 +1031,7 @@ def test_noise_that_makes_up_returns_passes_if_that_is_said() -> None:
 
 @frozen
 class AddsInfinities(Drift):
-    """Has no answer to inf: inf - inf is no number."""
+    """Has no answer to inf: inf - inf is not a number."""
 
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
         return values - np.where(np.isinf(values), values, 0.0)

@@ -147,7 +147,7 @@ def test_what_no_other_process_can_find_is_refused() -> None:
     )
     with pytest.raises(am.ScenarioError, match=r"obstacles.cart.motion: .* at the top of no file"):
         am.view(building.scenario(obstacles=[cart]))
-    with pytest.raises(am.ScenarioError, match="Own is no controller that is registered"):
+    with pytest.raises(am.ScenarioError, match="Own is not registered"):
         am.view(building.scenario(building.robot(controller=Own())))
 
 

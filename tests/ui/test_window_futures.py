@@ -195,7 +195,7 @@ def test_panels_are_resized_folded_swapped_and_kept(window: Window) -> None:
     page.get_by_label("plot alone").drag_to(page.locator(".panel.control .pane"))
     assert page.locator(".slot[data-slot=right] > .panel.plot").count() == 1
     assert axe_violations(page) == []
-    # A panel that is dropped on the plot changes places with it, and is no quantity.
+    # A panel that is dropped on the plot changes places with it, and is not a quantity.
     page.get_by_label("events alone").drag_to(page.locator(".plot-area"))
     assert page.locator(".slot[data-slot=right] > .panel.events").count() == 1
     assert window.see("plots.first.key") == "apart"

@@ -72,7 +72,7 @@ def _values(words: list[str], where: str) -> tuple[list[int], list[float]]:
     """The whole numbers of a line, and its other numbers."""
     if words[0] not in _SIZES:
         known = ", ".join(_SIZES)
-        raise GraphError(f"{where}: {words[0]!r} is no line of a graph in the plane; expected {known} or FIX")
+        raise GraphError(f"{where}: {words[0]!r} is not a line of a graph in the plane; expected {known} or FIX")
     whole, others = _SIZES[words[0]]
     if len(words) != 1 + whole + others:
         raise GraphError(f"{where}: expected {whole + others} numbers after {words[0]}, got {len(words) - 1}")

@@ -53,11 +53,11 @@ def dark_pixels(path: Path) -> Cells:
                         shown = image.convert("L")
                     grey = np.asarray(shown)
     except UnidentifiedImageError:
-        raise MapError(f"{path}: it is no picture of a known kind ({', '.join(_FORMATS)})") from None
+        raise MapError(f"{path}: it is not a picture of a known kind ({', '.join(_FORMATS)})") from None
     except MapError:
         raise
     except (Exception, Image.DecompressionBombError) as error:  # pillow raises all kinds of them for broken files
-        raise MapError(f"{path}: it is no whole picture: {error}") from None
+        raise MapError(f"{path}: it is not a whole picture: {error}") from None
     return np.ascontiguousarray(grey[::-1] < 127)
 
 

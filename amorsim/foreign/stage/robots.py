@@ -218,7 +218,7 @@ def _errors(model: Model, drive: str, notes: Notes) -> Table:
     if turn and drive == "differential":
         table["drive"] = {"track": _share(turn)}
     elif turn:
-        notes.remark("odom_error", "the turn's odom_error is left out for robots that are no diff", model.place)
+        notes.remark("odom_error", "the turn's odom_error is left out for robots that are not diff", model.place)
     return table
 
 

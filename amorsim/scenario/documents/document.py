@@ -49,7 +49,7 @@ def open_document(path: str | os.PathLike[str], *, registry: Registry | None = N
     Raises
     ------
     DocumentError
-        If there is no such file, or it is no text in UTF-8.
+        If there is no such file, or it is not a text in UTF-8.
     """
     registry = registry or default_registry()
     file = path_of(path, "path", SCENARIO_PATH)

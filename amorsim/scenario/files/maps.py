@@ -104,7 +104,7 @@ def read_map(file: MapFile) -> Map:
         loader = type(file.loader).__name__
         raise MapError(f"{file.path}: {loader} failed with {error_in_words(error)}") from error
     if not isinstance(found, Map):
-        raise MapError(f"{file.path}: {type(file.loader).__name__} gave {found!r}, which is no map")
+        raise MapError(f"{file.path}: {type(file.loader).__name__} gave {found!r}, which is not a map")
     if getattr(file.loader, "resolution", 0.0) is None:  # what the loader took is what a run writes down
         file = attrs.evolve(file, loader=attrs.evolve(cast(Any, file.loader), resolution=found.resolution))
     return attrs.evolve(found, source=file, name=found.name or file.path.stem)
@@ -131,7 +131,7 @@ def companions_of(file: MapFile) -> list[Path]:
     paths = [Path(os.path.abspath(file.path.parent / path)) for path in found]  # noqa: PTH100
     for path in paths:
         if not is_file(path):
-            raise MapError(f"{file.path}: {path}, which it should read, is no file")
+            raise MapError(f"{file.path}: {path}, which it should read, is not a file")
     return paths
 
 

@@ -299,6 +299,6 @@ class _Writer:
         if written is None:
             self._fault(
                 f"{path}.shape",
-                "a shape that is no circle, polygon or rounded convex polygon cannot be written into a file",
+                "a shape that is not a circle, polygon or rounded convex polygon cannot be written into a file",
             )
         return written or {}

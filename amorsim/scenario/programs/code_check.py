@@ -56,7 +56,7 @@ def check_code(scenario: Scenario, *, time_limit: float = 10.0) -> tuple[Fault, 
     Raises
     ------
     ParameterError
-        If the time limit is no number > 0.
+        If the time limit is not a number > 0.
     AmorsimError
         If the process does not start.
     """

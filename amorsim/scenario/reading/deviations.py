@@ -73,9 +73,8 @@ def _read_table(
             continue
         is_angle = _parameter(parts, at).is_angle
         if is_angle != is_angle_key:
-            child.fault(
-                f"this is an angle: write {key}_deg, in degrees" if is_angle else f"this is no angle: write {at[-1]}"
-            )
+            rename = f"this is an angle: write {key}_deg, in degrees"
+            child.fault(rename if is_angle else f"this is not an angle: write {at[-1]}")
             continue
         deviation = _read_deviation(child, is_angle)
         if deviation is not None and _check_true(child, parts, at, deviation):

@@ -57,7 +57,7 @@ class FaultCollector:
         self.incomplete: set[Path_] = set()
         """Tables that lack what a file which could not be read would have given them."""
         self.has_lost_lines = False
-        """Whether lines that are no TOML were left out; what is missing may stand there, and is no fault of its own."""
+        """Whether lines that are not TOML were left out: what is missing may stand there, and is not a fault itself."""
         self.document: Any = None
         """The whole document, for the names of what stands in its lists."""
         self.warnings: tuple[str, ...] = ()
@@ -234,7 +234,7 @@ class Node:
             if f"{key}_deg" in known:
                 node.fault(f"this is an angle: write {key}_deg, in degrees")
             elif key.endswith("_deg") and key[:-4] in known:
-                node.fault(f"this is no angle: write {key[:-4]}")
+                node.fault(f"this is not an angle: write {key[:-4]}")
             else:
                 node.fault(unknown_key(key, known))
 

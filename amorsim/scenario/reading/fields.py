@@ -245,7 +245,7 @@ def write_component(kind: str, component: Any, registry: Registry, unit: str = "
     if not name:
         what = f"{type(component).__module__}.{type(component).__qualname__}"
         remedy = "register it in a plugin" + (", or put it into a file of its own" if kind in USER_CODE else "")
-        raise PluginError(f"{what} is no {kind} that is registered, so a file cannot name it; {remedy}")
+        raise PluginError(f"{what} is not registered, so a file cannot name it; {remedy}")
     return {"use": name, **write_fields(component, unit)}
 
 

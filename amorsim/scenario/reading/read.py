@@ -88,7 +88,7 @@ def _find(
     Raises
     ------
     ScenarioError
-        If there is no such file, it is no text, or it is another program's and has faults.
+        If there is no such file, it is not a text, or it is another program's and has faults.
     """
     try:
         path = path_of(source, "source", SCENARIO_PATH)

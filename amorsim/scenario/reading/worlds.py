@@ -46,7 +46,7 @@ class Maps:
         """The map in a table ``{ map = "file", options ... }``; None after faults, or where none is read.
 
         `beside` are keys of the table that are not options. If the file is that of the map `like`, and there
-        are no options, it is read as that one was. The map may also be a table, of a world to generate.
+        are not options, it is read as that one was. The map may also be a table, of a world to generate.
         """
         if not node.expect_table():
             return None

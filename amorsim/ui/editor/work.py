@@ -60,7 +60,7 @@ class Work:
     Raises
     ------
     DocumentError
-        If there is no such file, or it is no text.
+        If there is no such file, or it is not text.
     """
 
     def __init__(self, name: str, folder: Path, *, state: Path | None = None, registry: Registry | None = None) -> None:

@@ -104,7 +104,7 @@ def _size(data: bytes) -> tuple[int, int]:
     except struct.error:
         start, kind, width, height = b"", b"", 0, 0
     if start != b"\x89PNG\r\n\x1a\n" or kind != b"IHDR" or not width or not height:
-        raise FilmError("a picture is no PNG")
+        raise FilmError("a picture is not a PNG")
     if max(width, height) > WIDEST:
         raise FilmError(f"a picture is larger than {WIDEST} pixels")
     return width, height

@@ -52,7 +52,7 @@ class Talk:
             self.session.close_window(self.window)
             ends = await asyncio.gather(*tasks, *self.reads, return_exceptions=True)
         for end in ends:
-            # A window that goes while something is being sent to it is no fault; anything else is ours, and is raised.
+            # A window that goes while something is sent to it is not a fault; anything else is ours, and is raised.
             if isinstance(end, Exception) and not isinstance(end, (WebSocketDisconnect, RuntimeError, OSError)):
                 raise end
 

@@ -43,7 +43,7 @@ class Course(am.ScenarioLoader):
         Raises
         ------
         ScenarioError
-            If it cannot be read, or with a fault for each line that is no robot.
+            If it cannot be read, or with a fault for each line that is not a robot.
         """
         try:
             first, *rest = path.read_text(encoding="utf-8").splitlines() or [""]

@@ -48,7 +48,7 @@ def test_what_is_written_is_read_with_the_same_bits(tmp_path_factory, poses, dat
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("VERTEX_SE3 0 1 2 3\n", "line 1: 'VERTEX_SE3' is no line of a graph in the plane"),
+        ("VERTEX_SE3 0 1 2 3\n", "line 1: 'VERTEX_SE3' is not a line of a graph in the plane"),
         ("VERTEX_SE2 0 1 2\n", "line 1: expected 4 numbers after VERTEX_SE2, got 3"),
         ("VERTEX_SE2 0 1 2 x\n", "line 1: .*'x'"),
         ("VERTEX_SE2 0 1 2 3\nVERTEX_SE2 0 1 2 3\n", "line 2: vertex 0 is there already"),

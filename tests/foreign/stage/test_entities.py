@@ -100,7 +100,7 @@ def test_what_grows_without_end_is_refused_at_once(write) -> None:
 def test_binary_files_are_refused(write) -> None:
     path = write("model()")
     path.write_bytes(b"model()\x00")
-    with pytest.raises(ScenarioError, match="byte 7 is 0x00: this is no text file"):
+    with pytest.raises(ScenarioError, match="byte 7 is 0x00: this is not a text file"):
         read_world(path)
 
 

@@ -424,7 +424,7 @@ def test_a_program_is_part_of_the_steps_and_of_the_journal(tmp_path: Path) -> No
         await do(session, do="edit", label="robot", changes=[{"op": "add", "path": "robots", "value": robot}])
         await do(session, do="write_code", file="mine.py", text=DRIVE, controller=at)
         await do(session, do="write_code", file="mine.py", text=DRIVE + "# more\n")
-        await do(session, do="write_code", file="mine.py", text=DRIVE + "# more\n")  # which is no step
+        await do(session, do="write_code", file="mine.py", text=DRIVE + "# more\n")  # which is not a step
         assert len(session.work.steps.history.done) == 3
         assert session.work.document.get(f"{at}.use") == "mine.py:drive"
         said = await session.request({"do": "write_code", "file": "mine.py", "text": "", "controller": at})

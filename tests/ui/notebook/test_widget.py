@@ -108,7 +108,7 @@ def test_its_page_plays_the_kernel_s_simulation(browser: Any) -> None:
     before = sim.robot("rover").true.drive.track
     inner.evaluate(f"void {SIMULATOR}.ask({{do: 'set', robot: 'rover', path: 'drive.track', value: {before * 1.05}}})")
     until(lambda: sim.robot("rover").true.drive.track != before)
-    assert inner.evaluate("window.origin") == "null"  # it is no part of the notebook's page
+    assert inner.evaluate("window.origin") == "null"  # it is not part of the notebook's page
     assert inner.locator("text=save run").is_hidden()
     page.evaluate("gone()")
     pump()

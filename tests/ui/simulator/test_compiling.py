@@ -1,4 +1,4 @@
-"""A kernel that is being compiled is no controller that hangs; and the user sees that it is being compiled."""
+"""A kernel that is being compiled is not a controller that hangs; and the user sees that it is being compiled."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def test_the_user_sees_a_message_while_kernels_are_compiled(
     done(session, "speed", factor=None)
     done(session, "run")
     shown = until(lambda: (s := state(session, window))["status"] == "compiling" and s)
-    assert shown["fault"] is None  # it is no hang, however long it takes
+    assert shown["fault"] is None  # it is not a hang, however long it takes
     assert shown["holder"] == window
     assert noticed == [COMPILING]
     # A page that is loaded meanwhile gets its scene.

@@ -37,7 +37,7 @@ def world_of(table: Mapping[str, Any] | None, name: str) -> World:
     Raises
     ------
     WallsError
-        If it is no line world.
+        If it is not a line world.
     """
     table = table or {}
     use = table.get("use")

@@ -141,7 +141,7 @@ class WorldMap:
         """Why the map cannot be painted on; empty if it can."""
         table, path = self.table, self.file
         if table is None or path is None or path.suffix.lower() not in SUFFIXES:
-            return "the world is no bitmap; save it as .png to paint on it"
+            return "the world is not a bitmap; save it as .png to paint on it"
         if "size" in table:
             return f"{path.name}: is stretched by `size`; say its `resolution` instead to paint on it"
         if path not in self._refused:

@@ -54,7 +54,7 @@ export class EditStage extends StillStage {
     this.mounted = new Map();
     /** Where bodies are that are dragged, or play; all others are nowhere. @type {ReturnType<typeof stillFrame> | null} */
     this.carried = null;
-    /** What was painted and is no part of the map's picture yet. @type {{cells: any, isKept: boolean, isRead: boolean}[]} */
+    /** What was painted and is not part of the map's picture yet. @type {{cells: any, isKept: boolean, isRead: boolean}[]} */
     this.strokes = [];
     /** Where those start that are placed at random, by name. @type {Map<string, number[]>} */
     this.ghosts = new Map();

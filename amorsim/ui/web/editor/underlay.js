@@ -1,5 +1,5 @@
 // A picture under the world to trace a floor plan from: its place, its scale by two points, how strong it is.
-// It is kept by this browser, and is no part of the scenario.
+// It is kept by this browser, and is not part of the scenario.
 
 import { open } from "../shared/dialogs.js";
 import { h, say } from "../shared/dom.js";
@@ -161,7 +161,7 @@ export function askUnderlay(page) {
   };
   const opacity = h("input", { type: "range", min: "0.05", max: "1", step: "0.05", oninput: () => change({ opacity: Number(opacity.value) }) });
   opacity.value = String(underlay.place.opacity);
-  const dialog = open("A picture under the world", h("div", {}, h("p", { class: "note" }, "To trace a floor plan. It is kept by this browser alone, and is no part of the scenario."), h("p", {}, file),
+  const dialog = open("A picture under the world", h("div", {}, h("p", { class: "note" }, "To trace a floor plan. It is kept by this browser alone, and is not part of the scenario."), h("p", {}, file),
     h("label", { class: "asked" }, h("span", {}, "opacity"), opacity), number("x", "left edge"), number("y", "lower edge")), [
     h("button", { onclick: () => {
       underlay.image = null;

@@ -1,6 +1,6 @@
 // The Simulator's window in a notebook: its page in a frame of its own, and messages between that and the kernel.
 //
-// The page is no part of the notebook's: it has no address, no cookies, and reaches the kernel only by these messages.
+// The page is not part of the notebook's: it has no address, no cookies, and reaches the kernel only by these messages.
 
 const MOST_UNDRAWN = 2; // frames that the page was given and has not drawn
 

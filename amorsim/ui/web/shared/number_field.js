@@ -23,7 +23,7 @@ export class NumberField extends Field {
     });
     this.slider = h("input", {
       type: "range",
-      // Any: else it could not hold a value that is no multiple of its step.
+      // Any: else it could not hold a value that is not a multiple of its step.
       step: this.isWhole ? "1" : "any",
       "aria-label": [parameter.label, parameter.group, parameter.kind === "systematic" ? "error" : parameter.kind].filter(Boolean).join(", "),
       oninput: () => this.preview(),

@@ -6,7 +6,7 @@ import { mountPoses } from "./mounts.js";
 
 /**
  * The beams of a range sensor: `visit(i, x, y, angle, range, met)`; a reading of infinity reaches `range_max` and one
- * of minus infinity nowhere, both with `met` false; one that is no number is left out.
+ * of minus infinity nowhere, both with `met` false; one that is not a number is left out.
  */
 export function eachBeam(sensor, pose, values, visit) {
   const mounts = mountPoses(sensor, pose);
