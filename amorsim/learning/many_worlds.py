@@ -38,7 +38,7 @@ class SimulationParallelVectorEnv:
     Raises
     ------
     AmorsimError
-        If the robots are not alike, or a period is not a whole number of the scenario's steps.
+        If a period is not a whole number of the scenario's steps.
     """
 
     def __init__(
@@ -47,10 +47,8 @@ class SimulationParallelVectorEnv:
         self.task, self.num_worlds = task, num_worlds
         self._worlds = Worlds(scenario, task, num_worlds, dtype=dtype, threads=threads)
         self.possible_agents = list(self._worlds.agents)
-        self.single_action_space, self.single_observation_space = (
-            self._worlds.action_space,
-            self._worlds.observation_space,
-        )
+        self.single_action_spaces = dict.fromkeys(self.possible_agents, self._worlds.action_space)
+        self.single_observation_spaces = dict(zip(self.possible_agents, self._worlds.observation_spaces, strict=True))
         self._is_begun = False
         self._count = np.zeros(num_worlds, dtype=np.int64)
         self._is_on = np.ones((num_worlds, len(self.possible_agents)), dtype=bool)
@@ -82,7 +80,7 @@ class SimulationParallelVectorEnv:
         self._is_begun = True
         self._count[:] = 0
         self._is_on[:] = True
-        return self._by_agent(self._worlds.observe()), self._infos(np.zeros_like(self._is_on), self._is_on)
+        return self._observations(), self._infos(np.zeros_like(self._is_on), self._is_on)
 
     def step(self, actions: Mapping[str, Any]) -> tuple[ByAgent, ByAgent, ByAgent, ByAgent, ByAgent]:
         """Take actions `(num_worlds, a)` of each agent, and simulate to the next ones.
@@ -113,9 +111,8 @@ class SimulationParallelVectorEnv:
             self._is_on[again] = True
         rewards = np.where(acted, outcome.reward.reshape(shape), 0.0)
         success = outcome.is_success.reshape(shape) & (terminated | truncated)
-        found = (self._worlds.observe(), rewards, terminated, truncated)
-        seen, reward, ended, late = (self._by_agent(array) for array in found)
-        return seen, reward, ended, late, self._infos(success, acted)
+        reward, ended, late = (self._by_agent(array) for array in (rewards, terminated, truncated))
+        return self._observations(), reward, ended, late, self._infos(success, acted)
 
     def state(self) -> npt.NDArray[Any]:
         """The true quantities of all robots of each world, for a critic `(num_worlds, agents * p)`."""
@@ -130,6 +127,9 @@ class SimulationParallelVectorEnv:
                 raise ValueError(f"actions: {agent}: expected finite numbers {shape}, got shape {one.shape}")
             taken[:, column] = one
         return taken
+
+    def _observations(self) -> ByAgent:
+        return dict(zip(self.possible_agents, self._worlds.observe(), strict=True))
 
     def _by_agent(self, array: npt.NDArray[Any]) -> ByAgent:
         return {agent: np.ascontiguousarray(array[:, column]) for column, agent in enumerate(self.possible_agents)}

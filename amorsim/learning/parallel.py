@@ -26,7 +26,8 @@ class SimulationParallelEnv(ParallelEnv):  # type: ignore[misc]
     Parameters
     ----------
     scenario
-        With robots that are alike: of the same model, with sensors of the same names. Their controllers are replaced.
+        Its robots may be of several models: each agent has an observation space of its own. Their controllers are
+        replaced.
     task
         What each observes, is rewarded for, and draws.
     dtype
@@ -37,7 +38,7 @@ class SimulationParallelEnv(ParallelEnv):  # type: ignore[misc]
     Raises
     ------
     AmorsimError
-        If the robots are not alike, or a period is not a whole number of the scenario's steps.
+        If a period is not a whole number of the scenario's steps.
     """
 
     def __init__(
@@ -58,7 +59,7 @@ class SimulationParallelEnv(ParallelEnv):  # type: ignore[misc]
         self.possible_agents = list(self._worlds.agents)
         self.agents: list[str] = []
         self.action_spaces = dict.fromkeys(self.possible_agents, self._worlds.action_space)
-        self.observation_spaces = dict.fromkeys(self.possible_agents, self._worlds.observation_space)
+        self.observation_spaces = dict(zip(self.possible_agents, self._worlds.observation_spaces, strict=True))
 
     @property
     def simulation(self) -> Simulation:
@@ -156,5 +157,5 @@ class SimulationParallelEnv(ParallelEnv):  # type: ignore[misc]
         return taken, is_on
 
     def _observations(self) -> dict[str, Any]:
-        seen = self._worlds.observe()[0]
-        return {agent: seen[self.possible_agents.index(agent)].copy() for agent in self.agents}
+        seen = dict(zip(self.possible_agents, self._worlds.observe(), strict=True))
+        return {agent: seen[agent][0] for agent in self.agents}

@@ -119,7 +119,7 @@ def make_parallel(
     render_mode: str | None = None,
     **parameters: Any,
 ) -> SimulationParallelEnv:
-    """The robots of one world as PettingZoo's agents; as `make`, of a scenario whose robots are alike.
+    """The robots of one world as PettingZoo's agents; as `make`, of a scenario with several robots.
 
     `make_parallel_vec` makes many such worlds.
 
@@ -134,7 +134,7 @@ def make_parallel(
     Raises
     ------
     AmorsimError
-        If PettingZoo is not installed, or the robots are not alike.
+        If PettingZoo is not installed, or a robot has no sensor that the task observes.
     """
     if importlib.util.find_spec("pettingzoo") is None:
         raise AmorsimError('agents of one world need the extra "learn": python -m pip install "amorsim[learn]"')
@@ -152,7 +152,7 @@ def make_parallel_vec(
     threads: int = 1,
     **parameters: Any,
 ) -> SimulationParallelVectorEnv:
-    """Many worlds of robots that are alike, all in one simulation; as `make_parallel`, with an axis for the worlds.
+    """Many worlds of several robots, all in one simulation; as `make_parallel`, with an axis for the worlds.
 
     ::
 

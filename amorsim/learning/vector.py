@@ -115,7 +115,7 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
     def _make_spaces(self) -> None:
         worlds = self._worlds
         self.single_action_space = worlds.action_space
-        space: gym.Space[Any] = worlds.observation_space
+        space: gym.Space[Any] = worlds.observation_spaces[0]
         if self._is_privileged:
             size = worlds.privileged().shape[2]
             wide = gym.spaces.Box(-_LARGE, _LARGE, (size,), dtype=worlds.dtype.type)
@@ -270,7 +270,7 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
 
     def _observations(self) -> Any:
         """Arrays of their own: the next step does not change them."""
-        seen = self._worlds.observe()[:, 0]
+        seen = self._worlds.observe()[0]
         if not self._is_privileged:
             return seen
         return {"observation": seen, "privileged": self._worlds.privileged()[:, 0]}

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import attrs
 import gymnasium as gym
@@ -34,13 +34,21 @@ STUDY = 0
 """The seed of every simulation here. A world's own seed is the number of its replica."""
 
 
+class _Kind(NamedTuple):
+    """Robots that are alike, in all worlds: what they know comes together."""
+
+    whose: str | list[str]  # as `Simulation.known` takes it
+    rows: Ints  # of what each of its robots knows, the row among all robots of all worlds
+    columns: dict[int, Ints]  # by the robot's number in a world, where its own rows `(W,)` are among these
+
+
 class Worlds:
-    """The replicas of a scenario whose robots are alike, and the task of each robot.
+    """The replicas of a scenario, and the task of each of their robots.
 
     Parameters
     ----------
     scenario
-        With robots that are alike, whose controllers the actions replace.
+        With robots whose controllers the actions replace.
     task
         What each robot observes, is rewarded for, and draws.
     count
@@ -64,11 +72,15 @@ class Worlds:
         Number of actions after which an episode is over.
     low, high
         Bounds of an action.
+    action_space
+        Of every robot.
+    observation_spaces
+        In the order of `agents`.
 
     Raises
     ------
     AmorsimError
-        If the robots are not alike, or a period is not a whole number of the scenario's steps.
+        If a period is not a whole number of the scenario's steps.
     """
 
     def __init__(
@@ -94,11 +106,13 @@ class Worlds:
         self.low, self.high = task.action_bounds
         self.begin(range(count))
         self.agents = list(self.simulation.names)
-        robot = self.simulation.known(self._whose).robot
-        kind = self.dtype.type
-        low, high = (bound.astype(kind) for bound in task.bounds(robot))
-        self.action_space = gym.spaces.Box(self.low.astype(kind), self.high.astype(kind), dtype=kind)
-        self.observation_space = gym.spaces.Box(low, high, dtype=kind)
+        number = self.dtype.type
+        self.action_space = gym.spaces.Box(self.low.astype(number), self.high.astype(number), dtype=number)
+        spaces: dict[int, gym.spaces.Box] = {}
+        for kind in self._kinds:
+            low, high = (bound.astype(number) for bound in task.bounds(self.simulation.known(kind.whose).robot))
+            spaces |= {column: gym.spaces.Box(low, high, dtype=number) for column in kind.columns}
+        self.observation_spaces = [spaces[column] for column in range(len(self.agents))]
 
     def begin(self, seeds: Sequence[int]) -> None:
         """Begin the first episodes of these seeds.
@@ -115,18 +129,8 @@ class Worlds:
             )
         numbers = [int(one) for one in seeds]
         self.simulation = Simulation(self._scenario, seed=STUDY, replicas=numbers, threads=self._threads)
-        names, frames = self.simulation.names, self.simulation.frames()
-        rows = list(frames[0].names)
-        if len(frames) > 1 or len(rows) != len(names) * self.count:
-            raise AmorsimError(f"expected robots that are alike, got others: {', '.join(names)}")
-        self._whose = names[0] if len(names) == 1 else rows
-        world = {number: place for place, number in enumerate(numbers)}
-        place = [world[int(number)] * len(names) for number in frames[0].replica]
-        # Where each row of what robots know is in the order of worlds and names, which all arrays here have, and back.
-        self._of_known = np.array(place) + [names.index(name) for name in rows]
-        self._known_of = np.argsort(self._of_known)
-        self._is_in_order = bool((self._of_known == np.arange(len(rows))).all())
-        self._action = np.zeros((self.count, len(names), len(self.low)))
+        self._kinds = _kinds_of(self.simulation)
+        self._action = np.zeros((self.count, len(self.simulation.names), len(self.low)))
         self._begin_task(np.arange(self.count))
         self._take_window()
 
@@ -176,17 +180,18 @@ class Worlds:
             forward, turn, left = (part[:, column] for part in parts)
             self.simulation.drive(name, forward=forward, turn=turn, left=left)
 
-    def observe(self) -> npt.NDArray[Any]:
-        """The observations `(W, A, k)`, arrays of their own."""
-        known = self.simulation.known(self._whose)
-        action, episode = self._action.reshape(-1, len(self.low)), self.episode
-        if not self._is_in_order:
-            action = action[self._of_known]
-            episode = {name: array[self._of_known] for name, array in episode.items()}
-        seen = self.task.observe(Observable(*known, action), episode).astype(self.dtype)
-        if not self._is_in_order:
-            seen = seen[self._known_of]
-        return seen.reshape(self.count, len(self.agents), -1)
+    def observe(self) -> list[npt.NDArray[Any]]:
+        """The observations `(W, k)` of each robot of a world, arrays of their own."""
+        found: dict[int, npt.NDArray[Any]] = {}
+        actions = self._action.reshape(-1, len(self.low))
+        for kind in self._kinds:
+            known = self.simulation.known(kind.whose)
+            if len(self.agents) == 1:
+                return [self.task.observe(Observable(*known, actions), self.episode).astype(self.dtype)]
+            episode = {name: array[kind.rows] for name, array in self.episode.items()}
+            seen = self.task.observe(Observable(*known, actions[kind.rows]), episode).astype(self.dtype)
+            found |= {column: seen[rows] for column, rows in kind.columns.items()}
+        return [found[column] for column in range(len(self.agents))]
 
     def privileged(self) -> npt.NDArray[Any]:
         """True quantities for a critic `(W, A, p)`."""
@@ -223,6 +228,20 @@ class Worlds:
         """Let the window show the episode that has begun, whose world may be another one."""
         if self._watch is not None:
             self._watch.take(self.simulation)
+
+
+def _kinds_of(simulation: Simulation) -> list[_Kind]:
+    names, kinds = simulation.names, []
+    world = {number: place for place, number in enumerate(simulation.replicas)}
+    for frame in simulation.frames():
+        place = np.array([world[int(number)] for number in frame.replica])
+        column = np.array([names.index(name) for name in frame.names])
+        columns = {}
+        for one in np.unique(column).tolist():
+            own = np.flatnonzero(column == one)
+            columns[one] = own[np.argsort(place[own])]
+        kinds.append(_Kind(names[0] if len(names) == 1 else list(frame.names), place * len(names) + column, columns))
+    return kinds
 
 
 def _whole_steps(time: float, step: float, name: str) -> int:

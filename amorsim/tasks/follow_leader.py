@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Draws, Observable, RobotModel, State, StepOutcome, Task, TrueState, parameter
 from amorsim.core.errors import ComponentError
-from amorsim.tasks.observed import beams_of, sensor_of, shares_of_range
+from amorsim.tasks.observed import beams_of, sensor_of, with_ranges
 
 __all__ = ["FollowLeader"]
 
@@ -81,7 +81,7 @@ class FollowLeader(Task):
         away = np.where(seen, found[:, 0] / longest, 0.0).clip(0.0, 1.0)
         bearing = np.where(seen, found[:, 1], 0.0)
         leader = np.column_stack((seen, away, seen * np.cos(bearing), seen * np.sin(bearing)))
-        return np.concatenate((leader, known.action, shares_of_range(known, self.sensor)), axis=1)
+        return with_ranges((leader, known.action), known, self.sensor)
 
     def judge(self, truth: TrueState, episode: State) -> StepOutcome:
         """Reward for the distance to the leader, and for losing it or touching something."""

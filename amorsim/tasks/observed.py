@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy.typing as npt
 from amorsim.contracts import Observable, RobotModel
 from amorsim.core.errors import ComponentError, did_you_mean
 
-__all__ = ["beams_of", "from_robot", "sensor_of", "shares_of_range"]
+__all__ = ["beams_of", "from_robot", "sensor_of", "with_ranges"]
 
 Array = npt.NDArray[np.float64]
 
@@ -47,18 +48,22 @@ def beams_of(who: str, robot: RobotModel, sensor: str) -> int:
     return robot.sensors[sensor].size
 
 
-def shares_of_range(known: Observable, sensor: str) -> Array:
-    """The ranges `(N, k)` of a sensor, from 0 to 1 of its longest; no return, and no reading yet, are the longest too.
+def with_ranges(columns: Sequence[Array], known: Observable, sensor: str) -> Array:
+    """Observations: columns, each `(N, k)`, side by side, and after them the ranges of a sensor, if there is one.
 
-    Without a sensor `(N, 0)`.
+    Ranges are from 0 to 1 of the sensor's longest; no return, and no reading yet, are the longest too.
     """
-    if not sensor:
-        return np.empty((len(known.action), 0))
-    model = known.robot.sensors[sensor]
-    longest = np.asarray(getattr(model.sensor, "range_max")).reshape(-1, 1)  # noqa: B009 - of range sensors alone
-    shares: Array = known.readings[sensor].measured / longest
-    np.fmin(shares, 1.0, out=shares)  # also where it is nan
-    return np.maximum(shares, 0.0, out=shares)
+    model = known.robot.sensors[sensor] if sensor else None
+    size = sum(column.shape[1] for column in columns)
+    found = np.empty((len(known.action), size + (model.size if model else 0)))
+    np.concatenate(columns, axis=1, out=found[:, :size])
+    if model:
+        longest = np.asarray(getattr(model.sensor, "range_max")).reshape(-1, 1)  # noqa: B009 - of range sensors alone
+        shares = found[:, size:]
+        np.divide(known.readings[sensor].measured, longest, out=shares)
+        np.fmin(shares, 1.0, out=shares)  # also where it is nan
+        np.maximum(shares, 0.0, out=shares)
+    return found
 
 
 def from_robot(pose: Array, goal: Array) -> Array:

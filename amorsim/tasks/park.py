@@ -12,7 +12,7 @@ from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import ParameterError
 from amorsim.core.poses import compose
 from amorsim.kernels import elementary
-from amorsim.tasks.observed import beams_of, from_robot, shares_of_range
+from amorsim.tasks.observed import beams_of, from_robot, with_ranges
 
 __all__ = ["Park"]
 
@@ -107,7 +107,7 @@ class Park(Task):
             parts = [np.cos(trailer[:, 2:]), np.sin(trailer[:, 2:])]
         goal = from_robot(pose, episode["goal"])
         goal[:, :2] = goal[:, :2].clip(-_FARTHEST, _FARTHEST)
-        return np.concatenate((goal, *parts, known.action, shares_of_range(known, self.sensor)), axis=1)
+        return with_ranges((goal, *parts, known.action), known, self.sensor)
 
     def judge(self, truth: TrueState, episode: State) -> StepOutcome:
         """Reward for coming nearer, for the bay, and for touching something."""

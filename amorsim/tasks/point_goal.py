@@ -9,7 +9,7 @@ import numpy.typing as npt
 from amorsim.contracts import Draws, Observable, RobotModel, State, StepOutcome, Task, TrueState, parameter
 from amorsim.kernels import elementary
 from amorsim.tasks.goals import goal_within
-from amorsim.tasks.observed import beams_of, shares_of_range
+from amorsim.tasks.observed import beams_of, with_ranges
 
 __all__ = ["PointGoal"]
 
@@ -87,7 +87,7 @@ class PointGoal(Task):
         goal = np.empty((len(pose), 3))
         np.minimum(np.hypot(east, north), self._farthest, out=goal[:, 0])
         goal[:, 1], goal[:, 2] = np.cos(bearing), np.sin(bearing)
-        return np.concatenate((goal, known.action, shares_of_range(known, self.sensor)), axis=1)
+        return with_ranges((goal, known.action), known, self.sensor)
 
     def judge(self, truth: TrueState, episode: State) -> StepOutcome:
         """Reward for coming nearer, for the goal, and for touching something."""

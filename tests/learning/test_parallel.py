@@ -30,6 +30,15 @@ def crowd(count: int = 3, **changes: Any) -> am.Scenario:
     return building.scenario(*(attrs.evolve(robot, name=f"r{number}") for number in range(count)))
 
 
+def mixed() -> am.Scenario:
+    """A robot of `crowd` between two others, on wheels twice as far apart and with a laser of 5 beams."""
+    first, _, last = crowd().robots
+    drive = attrs.evolve(first.drive, track=0.5)
+    laser = attrs.evolve(first.sensors["laser"], sensor=am.sensors.Laser(beams=5))
+    others = [attrs.evolve(one, drive=drive, sensors=one.sensors | {"laser": laser}) for one in (first, last)]
+    return building.scenario(others[0], crowd().robots[1], others[1])
+
+
 def env(count: int = 3, **given: Any) -> Any:
     return make_parallel(crowd(count), task=TASK, **given)
 
@@ -62,6 +71,21 @@ def test_one_agent_has_the_bits_of_a_single_environment() -> None:
         assert infos["r0"]["is_success"] == info["is_success"]
 
 
+def test_robots_of_several_models_have_spaces_of_their_own() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        parallel_api_test(make_parallel(mixed(), task=TASK), num_cycles=100)
+        parallel_seed_test(lambda: make_parallel(mixed(), task=TASK), num_cycles=30)
+    agents = make_parallel(mixed(), task=TASK, dtype="float64")
+    assert [agents.observation_space(agent).shape for agent in agents.possible_agents] == [(10,), (14,), (10,)]
+    agents.reset(seed=5)
+    for _ in range(3):
+        seen, *_ = agents.step({agent: np.array([0.5, 0.2]) for agent in agents.agents})
+    for agent, found in seen.items():
+        ranges = np.ravel(agents.simulation.robot(agent).readings["laser"].measured)
+        np.testing.assert_array_equal(found[5:], np.clip(np.fmin(ranges / 8.0, 1.0), 0.0, 1.0), err_msg=agent)
+
+
 def test_an_agent_whose_episode_is_over_stands_in_the_way_of_the_others() -> None:
     agents = make_parallel(crowd(2), task=PointGoal(horizon=4.0, distance=(0.5, 3.0), tolerance=0.3))
     for seed in range(40):
@@ -83,7 +107,7 @@ def test_an_agent_whose_episode_is_over_stands_in_the_way_of_the_others() -> Non
 
 def test_what_is_wrong_is_said() -> None:
     others = building.scenario(crowd(1).robots[0], building.robot(name="other"))
-    with pytest.raises(am.AmorsimError, match="alike"):
+    with pytest.raises(am.AmorsimError, match="observes the sensor 'laser', which the robot does not have"):
         make_parallel(others, task=TASK)
     agents = env()
     agents.reset(seed=1)
@@ -170,7 +194,7 @@ def test_many_worlds_refuse_what_is_wrong_in_words() -> None:
     with pytest.raises(ValueError, match="expected reset"):
         many.step({})
     seen, infos = many.reset(seed=[7, 1, 9])
-    assert seen["r0"].shape == (3, *many.single_observation_space.shape)
+    assert seen["r0"].shape == (3, *many.single_observation_spaces["r0"].shape)
     assert many.simulation.replicas == (7, 1, 9)
     assert not infos["r1"]["is_success"].any()
     assert many.state().shape == (3, 12)
@@ -178,6 +202,7 @@ def test_many_worlds_refuse_what_is_wrong_in_words() -> None:
         many.step({"r0": np.zeros((3, 2)), "r1": np.zeros((2, 2))})
     with pytest.raises(ValueError, match="expected 3 different whole numbers"):
         many.reset(seed=[1, 1, 2])
-    others = building.scenario(crowd(1).robots[0], building.robot(name="other"))
-    with pytest.raises(am.AmorsimError, match="alike"):
-        make_parallel_vec(others, 2, task=TASK)
+    several = make_parallel_vec(mixed(), 2, task=TASK)
+    assert {agent: part.shape for agent, part in several.reset(seed=1)[0].items()} == {
+        agent: (2, *space.shape) for agent, space in several.single_observation_spaces.items()
+    }
