@@ -126,7 +126,7 @@ def _number(node: yaml.Node, key: str) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        shown = repr(text[:40]) if text else "no number"
+        shown = repr(text[:40]) if text else "not a number"
         raise MapError(f"{_at(node)}: {key} is {shown}; expected a finite number")
     return value
 

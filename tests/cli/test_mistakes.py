@@ -103,11 +103,11 @@ def test_what_is_wrong_in_a_scenario(
     ("name", "content", "says"),
     [
         ("noise.toml", bytes(range(128, 256)), ("noise.toml: not a text file",)),
-        ("noise.wld", bytes(range(256)), ("noise.wld", "no text file")),
+        ("noise.wld", bytes(range(256)), ("noise.wld", "not a text file")),
         (
             "noise.bmp",
             bytes(range(256)),
-            ("noise.bmp", "no BMP, PNG, PNM, JPEG, GIF or TIFF image, or its header is damaged"),
+            ("noise.bmp", "not a BMP, PNG, PNM, JPEG, GIF or TIFF image, or its header is damaged"),
         ),
         ("noise.xyz", b"abc", ("noise.xyz: no map of a known format",)),
         ("empty.toml", b"", ("empty.toml: format",)),

@@ -339,7 +339,7 @@ def test_a_file_cut_short_is_refused(tmp_path: Path, kind: str) -> None:
 def test_another_kind_of_image_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "a.bmp"
     grey([0, 255]).save(path, "TGA")
-    with pytest.raises(MapError, match="no BMP, PNG, PNM, JPEG, GIF or TIFF image, or its header is damaged"):
+    with pytest.raises(MapError, match="not a BMP, PNG, PNM, JPEG, GIF or TIFF image, or its header is damaged"):
         Bitmap().load(path)
 
 

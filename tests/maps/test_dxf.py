@@ -193,7 +193,7 @@ def test_blocks_that_multiply_are_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("nothing", "no DXF drawing: it has no section"),
+        ("nothing", "not a DXF drawing: it has no section"),
         ("AC1027" + "\0" * 50, "it is a DWG drawing; save it as DXF"),
         (R12.split("LINE", maxsplit=1)[0] + "ENDSEC\n0\nEOF\n", "it has no line"),
         (R12.replace("40\n2.0", "40\n1e18"), "more than 2000000 lines"),
@@ -264,7 +264,7 @@ def test_binary_drawings_are_read_like_texts(tmp_path: Path, version: str) -> No
     assert worlds[1].warnings == ()
     whole = (tmp_path / "binary.dxf").read_bytes()
     (tmp_path / "binary.dxf").write_bytes(whole[: len(whole) // 2])
-    with pytest.raises(MapError, match=r"ezdxf cannot read it|no whole DXF drawing|it has no line"):
+    with pytest.raises(MapError, match=r"ezdxf cannot read it|not a whole DXF drawing|it has no line"):
         Dxf(unit=1.0).load(tmp_path / "binary.dxf")
 
 

@@ -221,7 +221,7 @@ def test_yaml_that_multiplies_itself_takes_no_memory(tmp_path: Path) -> None:
     path.write_text(path.read_text() + bomb)
     assert len(Ros().load(path).warnings) == 1
     path.write_text("[" * 100_000)
-    with pytest.raises(MapError, match="no YAML"):
+    with pytest.raises(MapError, match="not YAML"):
         Ros().load(path)
 
 
@@ -258,7 +258,7 @@ def test_a_large_map_takes_no_more_than_its_layers_and_its_outlines(tmp_path: Pa
 
 def test_another_yaml_is_no_map(tmp_path: Path) -> None:
     (tmp_path / "a.yaml").write_text("- 1\n- 2\n")
-    with pytest.raises(MapError, match="no YAML file of a ROS map"):
+    with pytest.raises(MapError, match="not a YAML file of a ROS map"):
         Ros().load(tmp_path / "a.yaml")
     assert Ros.sniff(b"image: a.pgm\nresolution: 0.05\n")
     assert not Ros.sniff(b"image of a map\n")

@@ -195,7 +195,7 @@ def test_artifact_doors_and_junctions_block_nothing() -> None:
         ("1 2 3 4 5 6 7 8", "not 8"),
         ("1 2 3 x", "'x' is not a number"),
         ("1 2 3 4 5_0 6", "'5_0' is not a number"),
-        ("١ ٢ ٣ ٤", "no statement"),
+        ("١ ٢ ٣ ٤", "not a statement"),
         ("width", "expected WIDTH, got 0 numbers"),
         ("width 5 6", "got 2 numbers"),
         ("width 0", "more than 0"),
@@ -206,7 +206,7 @@ def test_artifact_doors_and_junctions_block_nothing() -> None:
         ("origin 1", "expected X Y"),
         ("WALL 1 2 3", "expected X Y TH LENGTH"),
         ("CORRIDOR (2) 1 2 3 4", "expected X Y TH LENGTH WIDTH"),
-        ('include "other.wld"', "no statement"),
+        ('include "other.wld"', "not a statement"),
     ],
 )
 def test_what_cannot_be_read_is_left_out_and_said(line: str, reason: str) -> None:

@@ -284,7 +284,7 @@ def find_loader(path: Path, use: str | None, registry: Registry) -> tuple[str, t
         return by_extension[0]
     if extension in _NO_MAPS:
         what, advice = _NO_MAPS[extension]
-        raise MapError(f"{path}: {what} no map that amorsim reads; {advice}")
+        raise MapError(f"{path}: {what} not a map that amorsim reads; {advice}")
     known = ", ".join(sorted({suffix for _, cls in loaders for suffix in cls.extensions}))
     raise MapError(f"{path}: no map of a known format; known extensions: {known}")
 

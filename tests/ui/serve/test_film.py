@@ -87,7 +87,7 @@ def test_a_film_that_is_too_large_is_refused(monkeypatch: pytest.MonkeyPatch) ->
 def test_only_png_of_a_sane_size_is_read() -> None:
     out = io.BytesIO()
     Image.new("RGB", (4, 4)).save(out, "TIFF")
-    with pytest.raises(FilmError, match="no PNG"):
+    with pytest.raises(FilmError, match="not a PNG"):
         read(packed(out.getvalue()))
     with pytest.raises(FilmError, match="larger"):
         read(packed(png((0, 0, 0), (film.WIDEST + 1, 1))))
