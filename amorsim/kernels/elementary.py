@@ -60,7 +60,9 @@ def _each(run: Callable[..., Any], *arguments: ArrayLike) -> Floats:
     """The result of a kernel for the arguments, broadcast to one shape."""
     arrays = [np.asarray(argument, dtype=np.float64) for argument in arguments]
     if len({array.shape for array in arrays}) > 1:
-        arrays = list(np.broadcast_arrays(*arrays))
+        # Copies: what NumPy broadcasts without one cannot be written to, and warns kernels of it.
+        shape = np.broadcast_shapes(*(array.shape for array in arrays))
+        arrays = [np.array(np.broadcast_to(array, shape), order="C") for array in arrays]
     out = np.empty(arrays[0].shape)
     run(*(np.ascontiguousarray(array).reshape(-1) for array in arrays), out.reshape(-1))
     return out

@@ -33,9 +33,10 @@ def drive_all(fleet: Fleet, name: str, forward: Any, left: Any, turn: Any) -> No
         raise AmorsimError(no_such("robot", name, fleet.names))
     twists = _twists(name, len(fleet.replicas), forward, left, turn)
     for group in fleet.groups:
-        rows = group.rows_of(name)
-        if not len(rows):
+        own = group.rows_of(name)
+        if not len(own):
             continue
+        rows = slice(None) if len(own) == group.rows else own  # no copies of all rows
         driver = group.driver
         by_hand, state = driver.by_hand[rows, 0], driver.state.get("command")
         if state is None and not by_hand.all():
@@ -47,11 +48,11 @@ def drive_all(fleet: Fleet, name: str, forward: Any, left: Any, turn: Any) -> No
         wanted[rows] = twists[fleet.world.replica_index[group.bodies[rows]]]
         joints = joints_of(group.robot, group.readings)
         along = command_along(group.robot, limited(driver.controller, wanted), joints)[rows]
-        channels = along.shape[1]
-        if by_hand.any():
-            driver.hand[rows[by_hand], :channels] = along[by_hand]
-        if state is not None and not by_hand.all():
-            state[rows[~by_hand], :channels] = along[~by_hand]
+        for held, takes in ((driver.hand, by_hand), (state, ~by_hand)):
+            if takes.any():
+                assert held is not None
+                channels = slice(along.shape[1])
+                held[rows, channels] = np.where(takes[:, None], along, held[rows, channels])
 
 
 def _twists(name: str, replicas: int, *parts: Any) -> Array:

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Observable, RobotModel
 from amorsim.core.errors import ComponentError, did_you_mean
+from amorsim.kernels.sensing.readings import shares_of_range
 
 __all__ = ["beams_of", "from_robot", "sensor_of", "with_ranges"]
 
@@ -58,11 +59,9 @@ def with_ranges(columns: Sequence[Array], known: Observable, sensor: str) -> Arr
     found = np.empty((len(known.action), size + (model.size if model else 0)))
     np.concatenate(columns, axis=1, out=found[:, :size])
     if model:
-        longest = np.asarray(getattr(model.sensor, "range_max")).reshape(-1, 1)  # noqa: B009 - of range sensors alone
-        shares = found[:, size:]
-        np.divide(known.readings[sensor].measured, longest, out=shares)
-        np.fmin(shares, 1.0, out=shares)  # also where it is nan
-        np.maximum(shares, 0.0, out=shares)
+        range_max = getattr(model.sensor, "range_max")  # noqa: B009 - of range sensors alone
+        longest = np.asarray(range_max, dtype=np.float64).reshape(-1, 1)
+        shares_of_range(known.readings[sensor].measured, longest, size, found)
     return found
 
 

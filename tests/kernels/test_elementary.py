@@ -49,6 +49,13 @@ def test_shapes_are_broadcast_and_views_are_taken_as_they_are() -> None:
     assert np.array_equal(elementary.exp(SPREAD[:8].reshape(2, 4).T), elementary.exp(SPREAD[:8]).reshape(2, 4).T)
 
 
+def test_kernels_get_arrays_that_may_be_written_to() -> None:
+    """NumPy warns whoever asks that of an array that it has broadcast without a copy; numba asks at a first call."""
+    given: list[Any] = []
+    elementary._each(lambda *arrays: given.extend(arrays), np.ones((1, 1)), np.ones(1), 2.0)
+    assert all(array.flags.writeable and array.shape == (1,) for array in given)
+
+
 def test_nothing_that_a_step_computes_takes_numpys_own() -> None:
     package = Path(elementary.__file__).parents[1]
     own = re.compile(r"np\.(exp|expm1|exp2|log|log1p|log2|log10|arccos|arcsin|arctan|arctan2|tan|power|cbrt)\(")

@@ -18,6 +18,7 @@ __all__ = [
     "place_ring",
     "response",
     "scatter",
+    "shares_of_range",
     "specific_force",
     "wrap_headings",
 ]
@@ -105,6 +106,20 @@ def blank_near(ranges: Floats, range_min: Column, out: Floats) -> None:
     for i in range(ranges.shape[0]):
         for j in range(ranges.shape[1]):
             out[i, j] = -math.inf if ranges[i, j] < range_min[i, 0] else ranges[i, j]
+
+
+@kernel
+def shares_of_range(ranges: Floats, range_max: Column, first: int, out: Floats) -> None:
+    """Write `ranges` (N, k) [m] as shares of `range_max`, (N, 1) or (1, 1), into the columns of `out` from `first` on.
+
+    They are from 0 to 1; 1 also where there is no return, or nan.
+    """
+    for i in range(ranges.shape[0]):
+        most = range_max[i if range_max.shape[0] > 1 else 0, 0]
+        for j in range(ranges.shape[1]):
+            share = ranges[i, j] / most
+            share = share if share < 1.0 else 1.0
+            out[i, first + j] = share if share > 0.0 else 0.0
 
 
 @kernel
