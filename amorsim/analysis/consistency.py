@@ -51,7 +51,7 @@ def run_nees(
     Raises
     ------
     RunError
-        If the folder is none of a run, or a file in it is damaged.
+        If the folder is not a run's, or a file in it is damaged.
     AnalysisError
         If there is no such estimator.
     """
@@ -81,7 +81,7 @@ def run_nis(
     Raises
     ------
     RunError
-        If the folder is none of a run, or a file in it is damaged.
+        If the folder is not a run's, or a file in it is damaged.
     AnalysisError
         If there is no such estimator, or it has no such belief.
     """

@@ -47,7 +47,7 @@ def export_run(
     Raises
     ------
     RunError
-        If the folder is none of a run, a file in it is damaged, or a file cannot be written.
+        If the folder is not a run's, a file in it is damaged, or a file cannot be written.
     AnalysisError
         If there is no such format, or what it needs is not installed.
     """

@@ -45,7 +45,7 @@ def measure(run: str | os.PathLike[str] | RunFiles, metric: Metric, *, robot: st
     Raises
     ------
     RunError
-        If the folder is none of a run, or a file in it is damaged.
+        If the folder is not a run's, or a file in it is damaged.
     AnalysisError
         If the run's files do not hold what the metric needs.
     """

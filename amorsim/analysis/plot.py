@@ -51,7 +51,7 @@ def plot_run(
     Raises
     ------
     RunError
-        If the folder is none of a run, a file in it is damaged, there is no such robot or replica, or a picture
+        If the folder is not a run's, a file in it is damaged, there is no such robot or replica, or a picture
         cannot be written.
     """
     files = RunFiles(folder)

@@ -42,7 +42,7 @@ class RunFiles:
     Raises
     ------
     RunError
-        If the folder is none of a run. Each method, too, if a file is damaged: it names file, line and column.
+        If the folder is not a run's. Each method, too, if a file is damaged: it names file, line and column.
     """
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:

@@ -38,7 +38,7 @@ def entries_of_run(folder: Path, robot: Robot, replica: int | None) -> Iterator[
     Raises
     ------
     RunError
-        If the folder is none of a run, a file is damaged, or the run has no such robot or replica.
+        If the folder is not a run's, a file is damaged, or the run has no such robot or replica.
     AnalysisError
         If the run has not written the readings of a sensor that the robot had.
     """

@@ -103,7 +103,7 @@ def run_trajectories(
     Raises
     ------
     RunError
-        If the folder is none of a run, a file in it is damaged, or there is no such robot, replica or estimator.
+        If the folder is not a run's, a file in it is damaged, or there is no such robot, replica or estimator.
     """
     files = run if isinstance(run, RunFiles) else RunFiles(run)
     robot = files.robots[0] if robot is None else robot

@@ -118,7 +118,7 @@ class Parameter:
 
     @property
     def file_type_name(self) -> str:
-        """The same, with the keys of tables in files."""
+        """The kind of value it takes in a file, in words: a component is a table there, with the key ``use``."""
         if self.component:
             table = f"a table with use = the name of a {self.component}"
             return f'{table}, or "none"' if self.is_optional else table

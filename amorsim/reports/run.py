@@ -40,7 +40,7 @@ def run_page(folder: Path) -> Page:
     Raises
     ------
     RunError
-        If it is none of a run, or a file in it is damaged.
+        If it is not a run's folder, or a file in it is damaged.
     """
     files = RunFiles(folder)
     about = files.about

@@ -70,7 +70,7 @@ class Study(dict[str, npt.NDArray[Any]]):
 
     @property
     def is_complete(self) -> bool:
-        """Whether all points are done; failed ones are."""
+        """Whether all points are done, those that failed among them."""
         return bool(self.about["status"] == "finished")
 
     @property

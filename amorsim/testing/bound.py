@@ -81,7 +81,7 @@ def _require_same(who: Who, what: str, expected: npt.NDArray[Any], found: npt.ND
 
 
 class _Form(abc.ABC):
-    """A component in the rig, step by step: its simple form is called, or it is bound once."""
+    """One of the two forms of a component, stepped in the rig: the simple one is called, the other is bound once."""
 
     name = ""
 

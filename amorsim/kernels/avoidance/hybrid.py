@@ -165,8 +165,8 @@ def hybrid_velocities(
     """The velocities of robots among others, into `out` (N, 2) [m/s], for the rows from `first` to `end`.
 
     Candidates are the wanted velocity, its projections on the sides of all cones, and where two sides, or a side and
-    the circle of the top speed, meet. The one nearest to the wanted velocity that is in no cone is taken; if there is
-    none, the one that is in none of the most of the nearest.
+    the circle of the top speed, meet. Of those in no cone, the one nearest to the wanted velocity is taken. If all are
+    in cones, it is the one that keeps clear of the nearest others, of as many of them as possible.
 
     Parameters
     ----------

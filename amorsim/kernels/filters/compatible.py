@@ -63,7 +63,7 @@ def search(slots: int, landmarks: int, gates: Floats) -> Search:
 def _take(at: Search, slot: int, k: int) -> bool:
     """Add a pair to those before its slot; False if all together are not compatible.
 
-    Squared distances of pairs add up if each is compared with what those before it leave to expect.
+    Squared distances of pairs add up, if each is compared with what is expected once those before it are known.
     """
     mean = at.means[slot + 1]
     p = at.covariances[slot + 1]

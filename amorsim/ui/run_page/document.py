@@ -44,7 +44,7 @@ def run_page(
     Raises
     ------
     RunError
-        If the folder is none of a run, or has no such replica; or if a file in it cannot be read, or the page cannot be
+        If the folder is not a run's, or has no such replica; or if a file in it cannot be read, or the page cannot be
         written.
     """
     folder = path_of(run, "run")

@@ -135,7 +135,7 @@ class Player(Simulated):
     def fail(self, fault: Fault) -> None:
         """Pause at the state before the step that failed, since the step may be half done.
 
-        Where no state can be kept, the robots go on from the half of it.
+        Where no states can be kept, the robots stay as they are in the middle of the step.
         """
         self.fault = fault
         if not self.snapshots.reason:
