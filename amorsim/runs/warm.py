@@ -23,6 +23,7 @@ from amorsim.core.parameters import describe
 from amorsim.core.shapes import Shape
 from amorsim.core.temporary_folders import temporary_folder
 from amorsim.kernels.cache_folder import cache_folder, mark_warm
+from amorsim.kernels.sensing.readings import shares_of_range
 from amorsim.planners.d_star_lite import DStarLite
 from amorsim.planners.hybrid_a_star import HybridAStar
 from amorsim.planners.wavefront import Wavefront
@@ -229,13 +230,18 @@ def _plan() -> None:
         compile_planner(registry.get("planner", name))
 
 
-_OTHERS: Mapping[str, Callable[[], None]] = {"worlds": _make_worlds, "plan": _plan}
+def _observe() -> None:
+    """Make the ranges that tasks for learners observe, as the policy of `learned` does."""
+    shares_of_range(np.ones((1, 1)), np.ones((1, 1)), 0, np.empty((1, 1)))
+
+
+_OTHERS: Mapping[str, Callable[[], None]] = {"worlds": _make_worlds, "plan": _plan, "observe": _observe}
 # Names of trials and of bundled scenarios; the scenarios that are not listed go to the second process. With `_MORE` and
 # `_BESIDE`, both processes take about the same time.
 _FIRST: tuple[str, ...] = ("look", "demo")
 _SECOND: tuple[str, ...] = ("wander",)
 _MORE: tuple[str, ...] = ("collide", "meet", "typical", "landmarks", "find-yourself", "loop")
-_BESIDE: tuple[str, ...] = ("worlds", "plan", "avoid", "map-the-office", "find-the-way")
+_BESIDE: tuple[str, ...] = ("worlds", "plan", "observe", "avoid", "map-the-office", "find-the-way")
 
 
 if __name__ == "__main__":

@@ -60,7 +60,7 @@ def with_ranges(columns: Sequence[Array], known: Observable, sensor: str) -> Arr
     np.concatenate(columns, axis=1, out=found[:, :size])
     if model:
         range_max = getattr(model.sensor, "range_max")  # noqa: B009 - of range sensors alone
-        longest = np.asarray(range_max, dtype=np.float64).reshape(-1, 1)
+        longest = np.array(range_max, dtype=np.float64).reshape(-1, 1)
         shares_of_range(known.readings[sensor].measured, longest, size, found)
     return found
 
