@@ -31,7 +31,7 @@ def crowd(count: int = 3, **changes: Any) -> am.Scenario:
 
 
 def mixed() -> am.Scenario:
-    """A robot of `crowd` between two others, on wheels twice as far apart and with a laser of 5 beams."""
+    """A robot of `crowd` between two others, on wheels farther apart and with a laser of 5 beams."""
     first, _, last = crowd().robots
     drive = attrs.evolve(first.drive, track=0.5)
     laser = attrs.evolve(first.sensors["laser"], sensor=am.sensors.Laser(beams=5))
@@ -79,11 +79,38 @@ def test_robots_of_several_models_have_spaces_of_their_own() -> None:
     agents = make_parallel(mixed(), task=TASK, dtype="float64")
     assert [agents.observation_space(agent).shape for agent in agents.possible_agents] == [(10,), (14,), (10,)]
     agents.reset(seed=5)
+    given = {agent: np.array([0.1 * number, 0.3 - 0.1 * number]) for number, agent in enumerate(agents.agents)}
     for _ in range(3):
-        seen, *_ = agents.step({agent: np.array([0.5, 0.2]) for agent in agents.agents})
-    for agent, found in seen.items():
+        seen, *_ = agents.step(given)
+    assert set(seen) == set(given)
+    # Each sees its own goal, action and ranges, whatever group its row is in.
+    away = agents._worlds.episode["goal"] - agents.simulation.estimated_pose[:, :2]
+    for row, (agent, found) in enumerate(seen.items()):
         ranges = np.ravel(agents.simulation.robot(agent).readings["laser"].measured)
+        assert found[0] == pytest.approx(np.hypot(*away[row]), rel=1e-12)
+        np.testing.assert_array_equal(found[3:5], given[agent])
         np.testing.assert_array_equal(found[5:], np.clip(np.fmin(ranges / 8.0, 1.0), 0.0, 1.0), err_msg=agent)
+
+
+def test_many_mixed_worlds_see_what_each_sees_alone() -> None:
+    many = make_parallel_vec(mixed(), 3, task=TASK, dtype="float64")
+    alone = [make_parallel(mixed(), task=TASK, dtype="float64") for _ in range(3)]
+    seen, wanted = (
+        many.reset(seed=[7, 1, 9])[0],
+        [one.reset(seed=seed)[0] for one, seed in zip(alone, (7, 1, 9), strict=True)],
+    )
+    actions = np.random.default_rng(2).uniform(-1.0, 1.0, (3, 3, 2))
+    for _ in range(4):
+        for agent, found in seen.items():
+            for world in range(3):
+                np.testing.assert_array_equal(found[world], wanted[world][agent])
+        if not many.active.all():
+            break
+        seen = many.step({agent: actions[row] for row, agent in enumerate(seen)})[0]
+        wanted = [
+            one.step({agent: actions[row, world] for row, agent in enumerate(seen)})[0]
+            for world, one in enumerate(alone)
+        ]
 
 
 def test_an_agent_whose_episode_is_over_stands_in_the_way_of_the_others() -> None:
