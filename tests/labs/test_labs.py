@@ -136,7 +136,7 @@ def test_submissions_earn_what_they_should(name: str, tmp_path: Path) -> None:
             assert found[label].points_for(criterion) == pytest.approx(expected, abs=0.5), criterion
 
 
-@pytest.mark.nightly
+@pytest.mark.long
 @pytest.mark.parametrize("name", EARNED)
 def test_a_good_solution_earns_nine_tenths_over_ten_seeds(name: str, tmp_path: Path) -> None:
     rubric = practice(name, tmp_path / "lab", list(range(101, 111)))
