@@ -158,10 +158,11 @@ def _through(client: Any, distributed: Any, plan: Plan, todo: Iterator[Work]) ->
         with _speaking_to(client):
             done = _done(client, distributed, list(under_way))
         for future in done:
-            work = under_way.pop(future)
             with _speaking_to(client):
-                outcome = _outcome(client, distributed, future, work)
-            yield outcome
+                outcome = _outcome(client, distributed, future, under_way[future])
+            if outcome is not None:
+                del under_way[future]
+                yield outcome
 
 
 @contextlib.contextmanager
@@ -190,11 +191,15 @@ def _threads(client: Any) -> int:
         return 0
 
 
-def _outcome(client: Any, distributed: Any, future: Any, work: Work) -> Outcome:
-    if future.status == "finished":
+def _outcome(client: Any, distributed: Any, future: Any, work: Work) -> Outcome | None:
+    """The outcome of a chunk; None if its worker died with it, for then another one computes it again."""
+    status = future.status  # it may change at any moment
+    if status in ("lost", "pending"):
+        return None
+    if status == "finished":
         outcome: Outcome = future.result()
         return outcome
-    if future.status == "error":
+    if status == "error":
         error = future.exception()
         if isinstance(error, distributed.KilledWorker):
             text = "the workers that computed it died, again and again; it may need more memory than there is"

@@ -123,6 +123,42 @@ def test_eighty_points_give_one_table_however_they_are_computed(tmp_path: Path) 
 
 @pytest.mark.long
 @pytest.mark.filterwarnings("default")
+def test_an_outcome_that_is_lost_with_its_worker_is_computed_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from distributed import Client, LocalCluster
+
+    given = small(tmp_path / "s", 12)
+    am.sweep(given, tmp_path / "one")
+    is_done, killed = executors._done, []
+    with (
+        LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster,
+        Client(cluster) as client,
+    ):
+
+        def kill_its_worker(client: Any, distributed: Any, futures: list[Any]) -> list[Any]:
+            """A worker dies after its chunk is done and before the outcome is fetched, while the other one is busy."""
+            done = list(is_done(client, distributed, futures))
+            if done and not killed:
+                ((holder, *_),) = client.who_has(done[:1]).values()
+                workers = {worker.worker_address: worker.pid for worker in cluster.workers.values()}
+                killed.append(workers.pop(holder))
+                (other,) = workers.values()
+                os.kill(other, signal.SIGSTOP)
+                os.kill(killed[0], signal.SIGKILL)
+                wait_until(lambda: done[0].status != "finished")
+                os.kill(other, signal.SIGCONT)
+            return done
+
+        monkeypatch.setattr(executors, "_done", kill_its_worker)
+        study = am.sweep(given, tmp_path / "dask", dask=client)
+    assert len(killed) == 1
+    assert study.failures == []
+    assert table_of(tmp_path / "one") == table_of(tmp_path / "dask")
+
+
+@pytest.mark.long
+@pytest.mark.filterwarnings("default")
 def test_a_cluster_may_be_given_by_its_address(tmp_path: Path) -> None:
     from distributed import LocalCluster
 
