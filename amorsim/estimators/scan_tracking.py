@@ -93,7 +93,7 @@ class ScanTracker(Estimator):
     window_angle: float = parameter(
         math.radians(10.0), unit="rad", ge=0, le=math.pi, static=True, help="how far around it looks"
     )
-    least_fit: float = parameter(0.35, ge=0, le=1, static=True, help="fit below which a match is refused")
+    least_fit: float = parameter(0.25, ge=0, le=1, static=True, help="fit below which a match is refused")
     sure_fit: float = parameter(0.45, ge=0, le=1, static=True, help="fit below which a scan is looked for farther away")
     degenerate: float = parameter(0.01, ge=0, lt=1, static=True, help="ratio of eigenvalues that counts as degenerate")
     age_max: float = parameter(
@@ -133,6 +133,7 @@ class ScanTracker(Estimator):
             "key_pose": pose.copy(),
             "key_covariance": np.zeros((rows, 3, 3)),
             "last": np.full((rows, 3), np.nan),
+            "last_points": np.full((rows, beams, 2), np.nan),
             "joints": np.full((rows, len(robot.drive.joints)), np.nan),
             "current": np.ones((rows, 1), dtype=bool),
             "match": np.full((rows, tracking.RECORD), np.nan),
@@ -157,9 +158,8 @@ class ScanTracker(Estimator):
             _KEY_SHARE,
             float(self.least_fit),
             float(self.sure_fit),
-            float(self.degenerate),
             Window(float(self.window), float(self.window_angle), _ANGLE),
-            Search(float(self.range_std), _PAIR, _MOST_STEPS, _TOLERANCE),
+            Search(float(self.range_std), _PAIR, _MOST_STEPS, _TOLERANCE, float(self.degenerate)),
         )
 
     def _room(self, robot: RobotModel) -> tracking.Room:
@@ -267,7 +267,14 @@ def _keys(state: State, mounts: Array) -> tracking.Keys:
 
 
 def _tracks(state: State) -> tracking.Tracks:
-    return tracking.Tracks(state["pose"], state["spread"], state["key_pose"], state["key_covariance"], state["last"])
+    return tracking.Tracks(
+        state["pose"],
+        state["spread"],
+        state["key_pose"],
+        state["key_covariance"],
+        state["last"],
+        state["last_points"],
+    )
 
 
 def placed(points: Array, poses: Array) -> Array:

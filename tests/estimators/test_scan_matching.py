@@ -1,5 +1,7 @@
 """Odometry from scans."""
 
+import math
+
 import attrs
 import numpy as np
 import pytest
@@ -8,7 +10,7 @@ import amorsim as am
 from amorsim.estimators import DeadReckoning, ScanMatching
 from amorsim.testing import check_component
 from tests.estimators.slam_rig import errors_of, scenario
-from tests.kernels.matching.scenes import corridor
+from tests.kernels.matching.scenes import corridor, room
 
 
 def matching(**changes):
@@ -116,6 +118,35 @@ def test_a_replica_alone_and_among_others_has_the_same_bits():
     assert every.estimates["matched"].covariance[2:3].tobytes() == alone.estimates["matched"].covariance.tobytes()
     for name, array in alone.beliefs["matched"].items():
         assert array.tobytes() == every.beliefs["matched"][name][2:3].tobytes(), name
+
+
+def followed(*headings, people=0.0):
+    """Poses and beliefs of a robot whose wheels stand, at each of these headings; a share of the beams sees people."""
+    robot = scenario(matched=matching(window_angle=math.radians(10.0))).robots[0]
+    runner = am.EstimatorRunner(robot, "matched")
+    bearings = robot.sensors["laser"].sensor.bearings()[0]
+    found = []
+    for time, heading in enumerate(headings):
+        laser = am.compose(np.array([[1.0, 1.0, heading]]), np.array([[0.1, 0.02, 0.1]]))
+        ranges = room().cast_rays(laser, bearings, 8.0)[0]
+        ranges[: round(people * len(ranges))] *= 0.5 + 0.3 * (time % 2)
+        estimate = runner.update(float(time), {"laser": ranges, "encoder": np.zeros(2)})
+        found.append((estimate.pose, dict(runner.beliefs)))
+    return found
+
+
+@pytest.mark.parametrize("turned", [0.1, 0.2, 0.3, 0.5])
+def test_a_robot_that_is_turned_while_its_wheels_stand_is_followed(turned):
+    """Also beyond the window, for a scan whose best pose is at its border is looked for farther away."""
+    _, (pose, beliefs) = followed(0.0, turned)
+    assert beliefs["match_used"] == 1.0
+    np.testing.assert_allclose(pose, [1.0, 1.0, turned], atol=0.02)
+
+
+def test_people_who_pass_do_not_move_a_robot_that_stands():
+    for pose, beliefs in followed(0.0, 0.0, 0.0, people=0.4):
+        assert np.isnan(beliefs["match_used"])
+        np.testing.assert_array_equal(pose, [1.0, 1.0, 0.0])
 
 
 def test_without_its_sensors_it_is_refused():

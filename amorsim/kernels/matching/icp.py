@@ -16,12 +16,13 @@ import numpy.typing as npt
 
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.kinematics.poses import wrap
+from amorsim.kernels.matching import priors
 from amorsim.kernels.matching.outlines import Outline
-from amorsim.kernels.matching.symmetric import eigen, solve
+from amorsim.kernels.matching.priors import Prior, keep
+from amorsim.kernels.matching.symmetric import directions, eigen, solve
 from amorsim.kernels.sorting import sort
 
 __all__ = [
-    "Prior",
     "Reference",
     "Result",
     "Search",
@@ -29,7 +30,6 @@ __all__ = [
     "align",
     "fisher",
     "index",
-    "no_prior",
     "refer",
     "reference",
     "result",
@@ -64,13 +64,7 @@ class Search(NamedTuple):
     farthest: float  # [m] that a pair may be apart at first
     iterations: int
     tolerance: float  # [m, rad] of a step that is the last
-
-
-class Prior(NamedTuple):
-    """The prior: a pose and its information."""
-
-    pose: Floats  # (3,)
-    information: Floats  # (3, 3)
+    degenerate: float = 0.01  # ratio of eigenvalues below which a scan does not determine the pose
 
 
 class Result(NamedTuple):
@@ -81,6 +75,7 @@ class Result(NamedTuple):
     values: Floats  # (3,) its eigenvalues with angles in lengths (see `align`), the least first
     vectors: Floats  # (3, 3) and their directions, in columns
     quality: Floats  # (3,) share of points that have a pair, root mean square of their distances [m], steps
+    kept: Floats  # (3, 3) the prior's information, as it counted
 
 
 class Work(NamedTuple):
@@ -93,6 +88,7 @@ class Work(NamedTuple):
     sums: Floats  # (3, 3)
     vectors: Floats  # (3, 3)
     numbers: Floats  # (3, 3): values, right side, step
+    prior: priors.Room
 
 
 def reference(size: int) -> Reference:
@@ -128,17 +124,13 @@ def work(beams: int) -> Work:
         np.empty((3, 3)),
         np.empty((3, 3)),
         np.empty((3, 3)),
+        priors.room(),
     )
 
 
 def result() -> Result:
     """Room for a result."""
-    return Result(np.zeros(3), np.zeros((3, 3)), np.zeros(3), np.zeros((3, 3)), np.zeros(3))
-
-
-def no_prior() -> Prior:
-    """A prior without information."""
-    return Prior(np.zeros(3), np.zeros((3, 3)))
+    return Result(np.zeros(3), np.zeros((3, 3)), np.zeros(3), np.zeros((3, 3)), np.zeros(3), np.zeros((3, 3)))
 
 
 @part
@@ -268,6 +260,18 @@ def _sum_up(
     return used, squares
 
 
+@part
+def _arm(scan: Outline) -> float:
+    """The root mean square distance [m] of a scan's points from its robot; 1 for none."""
+    points = 0
+    squares = 0.0
+    for i in range(scan.points.shape[0]):
+        if not math.isnan(scan.points[i, 0]):
+            points += 1
+            squares += scan.points[i, 0] ** 2 + scan.points[i, 1] ** 2
+    return math.sqrt(squares / points) if squares > 0.0 else 1.0
+
+
 @kernel
 def align(
     reference: Reference, scan: Outline, start: Floats, prior: Prior, search: Search, at: Work, out: Result
@@ -284,6 +288,7 @@ def align(
     squares = 0.0
     values, right, step = at.numbers[0], at.numbers[1], at.numbers[2]
     is_near = False
+    arm = _arm(scan)
     count = 0
     while count < search.iterations:
         count += 1
@@ -292,10 +297,11 @@ def align(
         if used == 0:
             break
         off = pose[0] - prior.pose[0], pose[1] - prior.pose[1], wrap(pose[2] - prior.pose[2])
+        keep(prior, out.information, right, off, arm, search.degenerate, at.prior, out.kept)
         for i in range(3):
             for j in range(3):
-                at.sums[i, j] = out.information[i, j] + prior.information[i, j]
-                right[i] -= prior.information[i, j] * off[j]
+                at.sums[i, j] = out.information[i, j] + out.kept[i, j]
+                right[i] -= out.kept[i, j] * off[j]
         eigen(at.sums, values, at.vectors)
         solve(values, at.vectors, right, _UNDETERMINED, step)
         pose[0] += step[0]
@@ -305,15 +311,7 @@ def align(
         if is_near and moved <= search.tolerance:
             break
         is_near = is_near or moved <= _NEAR
-    arm = 0.0
-    for i in range(scan.points.shape[0]):
-        if not math.isnan(scan.points[i, 0]):
-            arm += scan.points[i, 0] ** 2 + scan.points[i, 1] ** 2
-    arm = math.sqrt(arm / points) if points > 0 and arm > 0.0 else 1.0
-    for i in range(3):
-        for j in range(3):
-            at.sums[i, j] = out.information[i, j] / ((arm if i == 2 else 1.0) * (arm if j == 2 else 1.0))
-    eigen(at.sums, out.values, out.vectors)
+    directions(out.information, arm, at.sums, out.values, out.vectors)
     out.quality[0] = used / points if points > 0 else 0.0
     out.quality[1] = math.sqrt(squares / used) if used > 0 else math.nan
     out.quality[2] = count

@@ -16,7 +16,8 @@ Floats = npt.NDArray[np.float64]
 
 _REACH = 0.15  # [m] around a point, from which its line is fitted ...
 _BEAMS = 2.5  # ... or so many distances between beams, if that is farther
-_FARTHEST = 0.6  # [m]
+_NEXT = 1.6  # or so many distances to the next point
+_FARTHEST = 1.0  # [m]
 _STRAIGHT = 0.1  # largest ratio of the spreads across and along a line
 _MOST = 12  # beams to either side
 _STRAIGHTER = 4.0  # how many times less the points to one side spread across their line where there is a corner
@@ -68,7 +69,7 @@ def _line(ranges: Floats, i: int, out: Outline) -> None:
     if other < 0:
         return
     turn = out.rays[i, 0] * out.rays[other, 1] - out.rays[i, 1] * out.rays[other, 0]
-    reach = min(max(_REACH, _BEAMS * ranges[i] * abs(turn)), _FARTHEST)
+    reach = min(max(_REACH, _BEAMS * ranges[i] * abs(turn), _NEXT * _nearest_neighbour(out, i)), _FARTHEST)
     first = _end(out, i, -1, reach)
     last = _end(out, i, 1, reach)
     x, y, angle, spread = _fit(out, i, first, last)
@@ -91,6 +92,19 @@ def _line(ranges: Floats, i: int, out: Outline) -> None:
     out.lines[i, 1] = y
     out.lines[i, 2] = nx
     out.lines[i, 3] = ny
+
+
+@part
+def _nearest_neighbour(of: Outline, i: int) -> float:
+    """The distance [m] of point i from the nearer one of the two beams beside it; inf if they saw nothing."""
+    count = of.points.shape[0]
+    least = math.inf
+    for j in (i - 1, i + 1):
+        if 0 <= j < count:
+            away = math.hypot(of.points[j, 0] - of.points[i, 0], of.points[j, 1] - of.points[i, 1])
+            if away < least:  # never for nan
+                least = away
+    return least
 
 
 @part

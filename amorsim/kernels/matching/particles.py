@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.kinematics.poses import displaced
-from amorsim.kernels.matching import icp
+from amorsim.kernels.matching import icp, priors
 from amorsim.kernels.matching.outlines import Outline, new_outline
 from amorsim.kernels.matching.symmetric import invert
 from amorsim.kernels.matching.tracking import Outlines
@@ -59,7 +59,7 @@ class Workshop(NamedTuple):
     chosen: Ints  # (references,)
     work: icp.Work
     result: icp.Result
-    prior: icp.Prior
+    prior: priors.Prior
     turned: Floats  # (3, 3)
     root: Floats  # (3, 3)
     start: Floats  # (3,)
@@ -74,7 +74,7 @@ def workshop(beams: int, references: int, every: int) -> Workshop:
         np.empty(references, np.int64),
         icp.work(few),
         icp.result(),
-        icp.no_prior(),
+        priors.no_prior(),
         np.empty((3, 3)),
         np.empty((3, 3)),
         np.empty(3),

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from amorsim.kernels.compile import part
 
-__all__ = ["eigen", "invert", "solve"]
+__all__ = ["directions", "eigen", "invert", "solve"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -70,6 +70,18 @@ def eigen(matrix: Floats, values: Floats, vectors: Floats) -> None:
                     a = vectors[k, j]
                     vectors[k, j] = vectors[k, j + 1]
                     vectors[k, j + 1] = a
+
+
+@part
+def directions(information: Floats, arm: float, scaled: Floats, values: Floats, vectors: Floats) -> None:
+    """Eigenvalues (3,) and eigenvectors of an information on a pose, in which turns count as lengths.
+
+    A turn is as long as it moves a point at the distance `arm` [m]. `scaled` (3, 3) is room.
+    """
+    for i in range(3):
+        for j in range(3):
+            scaled[i, j] = information[i, j] / ((arm if i == 2 else 1.0) * (arm if j == 2 else 1.0))
+    eigen(scaled, values, vectors)
 
 
 @part

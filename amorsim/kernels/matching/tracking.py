@@ -15,7 +15,9 @@ import numpy.typing as npt
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.kinematics.poses import displaced, wrap
 from amorsim.kernels.matching import correlative, icp
+from amorsim.kernels.matching.keys import extend
 from amorsim.kernels.matching.outlines import Outline
+from amorsim.kernels.matching.priors import Prior, no_prior
 from amorsim.kernels.matching.symmetric import invert
 
 __all__ = [
@@ -42,13 +44,10 @@ __all__ = [
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 
-_FARTHEST = 20.0  # [m] from the robot that points of before are kept
-_APART = 0.1  # [m] from a new point that older ones are kept
-_THROUGH = 0.05  # [m] from a beam at which it passes through a point ...
-_BEFORE = 0.3  # [m] ... that is so far before its end
 _ASIDE = math.radians(10.0)  # that the second stage may turn farther than the window
 _FARTHER = 3.0  # times the window, in which a scan is looked for that does not fit
 _CLEARLY = 0.1  # how much better it must fit there
+_FREEDOM = 3.0  # of the wheels' error, which slip makes much larger now and then
 _FLOOR = 1e-3  # [m, rad] least standard deviation of what the wheels say between two scans
 
 # What is kept of a match: its correction (x [m], y [m], heading [rad]) in the world, and these.
@@ -89,6 +88,7 @@ class Tracks(NamedTuple):
     key_pose: Floats  # (N, 3)
     key_covariance: Floats  # (N, 3, 3)
     last: Floats  # (N, 3) the pose at the last match; nan before the first scan
+    last_points: Floats  # (N, k, 2) of the scan that was matched then
 
 
 class Rules(NamedTuple):
@@ -101,7 +101,6 @@ class Rules(NamedTuple):
     key_share: float  # of points on the key, below which the scan becomes the next key
     least_fit: float  # below which a match is refused
     sure_fit: float  # below which a pose is looked for farther away
-    degenerate: float  # ratio of eigenvalues below which a scan does not determine the pose
     window: correlative.Window
     search: icp.Search
 
@@ -111,12 +110,12 @@ class Room(NamedTuple):
 
     work: icp.Work
     result: icp.Result
-    prior: icp.Prior
+    prior: Prior
     picture: correlative.Picture
     cells: npt.NDArray[np.int64]  # (k, 2)
     start: Floats  # (3,)
     matrix: Floats  # (3, 3)
-    free: icp.Prior  # nothing known
+    free: Prior  # nothing known
     found: Floats  # (3,)
 
 
@@ -125,12 +124,12 @@ def room(beams: int, reach: float, resolution: float, blur: float) -> Room:
     return Room(
         icp.work(beams),
         icp.result(),
-        icp.no_prior(),
+        no_prior(_FREEDOM),
         correlative.picture(reach, resolution, blur),
         np.empty((beams, 2), np.int64),
         np.empty(3),
         np.empty((3, 3)),
-        icp.no_prior(),
+        no_prior(),
         np.empty(3),
     )
 
@@ -177,7 +176,7 @@ def _draw(reference: icp.Reference, seen: Floats, mount: Floats, at: Room) -> No
 
 @kernel
 def align_outline(
-    reference: icp.Reference, scan: Outline, window: correlative.Window, prior: icp.Prior, rules: Rules, at: Room
+    reference: icp.Reference, scan: Outline, window: correlative.Window, prior: Prior, rules: Rules, at: Room
 ) -> float:
     """Align a scan with a reference from ``at.start``, by both stages; returns how well it fits in the end.
 
@@ -234,84 +233,6 @@ def _key(keys: Keys, i: int) -> icp.Reference:
     return icp.Reference(keys.points[i], keys.lines[i], keys.order[i], keys.along[i])
 
 
-@part
-def _is_superseded(x: float, y: float, scan: Outline) -> bool:
-    """Whether an older point is where the new scan has one, or the new scan sees through it."""
-    for j in range(scan.points.shape[0]):
-        px = scan.points[j, 0]
-        if math.isnan(px):
-            continue
-        py = scan.points[j, 1]
-        dx = x - px
-        dy = y - py
-        if dx * dx + dy * dy < _APART * _APART:
-            return True
-        across = dx * scan.rays[j, 1] - dy * scan.rays[j, 0]
-        along = dx * scan.rays[j, 0] + dy * scan.rays[j, 1]
-        if -_THROUGH < across < _THROUGH and _BEFORE - math.sqrt(px * px + py * py) < along < -_BEFORE:
-            return True
-    return False
-
-
-@part
-def _copy(points: Floats, lines: Floats, j: int, key: icp.Reference, place: int) -> None:
-    """Copy a point and its line to a place in a key."""
-    for k in range(2):
-        key.points[place, k] = points[j, k]
-    for k in range(4):
-        key.lines[place, k] = lines[j, k]
-
-
-@kernel
-def _extend(scan: Outline, key: icp.Reference, moved: Floats) -> None:
-    """Add a scan to a key, whose frame becomes the scan's; `moved` (3,) is that frame in the key's.
-
-    Points of before are kept, the oldest first, where the scan shows nothing. Where there is no room for all of them,
-    the oldest are left out.
-    """
-    c = math.cos(moved[2])
-    s = math.sin(moved[2])
-    size = key.points.shape[0]
-    count = 0
-    for j in range(size):
-        if math.isnan(key.points[j, 0]):
-            break
-        x, y = _turned(key.points[j, 0] - moved[0], key.points[j, 1] - moved[1], c, s)
-        if x * x + y * y > _FARTHEST * _FARTHEST or _is_superseded(x, y, scan):
-            continue
-        key.points[count, 0] = x
-        key.points[count, 1] = y
-        u, v = _turned(key.lines[j, 0] - moved[0], key.lines[j, 1] - moved[1], c, s)
-        key.lines[count, 0] = u
-        key.lines[count, 1] = v
-        key.lines[count, 2], key.lines[count, 3] = _turned(key.lines[j, 2], key.lines[j, 3], c, s)
-        count += 1
-    new = 0
-    for j in range(scan.points.shape[0]):
-        if not math.isnan(scan.points[j, 0]):
-            new += 1
-    surplus = max(0, count + new - size)
-    count -= surplus
-    for j in range(count):
-        _copy(key.points, key.lines, j + surplus, key, j)
-    for j in range(scan.points.shape[0]):
-        if not math.isnan(scan.points[j, 0]):
-            _copy(scan.points, scan.lines, j, key, count)
-            count += 1
-    for j in range(count, size):
-        for k in range(2):
-            key.points[j, k] = math.nan
-        for k in range(4):
-            key.lines[j, k] = math.nan
-    icp.index(key)
-
-
-@part
-def _turned(x: float, y: float, c: float, s: float) -> tuple[float, float]:
-    """A vector in a frame that is turned by the angle of cosine c and sine s."""
-    return c * x + s * y, c * y - s * x
-
-
 @kernel
 def _make_key(i: int, scans: Outlines, keys: Keys, tracks: Tracks, at: Room) -> None:
     """Let a row's scan be its key from now on."""
@@ -323,7 +244,7 @@ def _make_key(i: int, scans: Outlines, keys: Keys, tracks: Tracks, at: Room) -> 
         tracks.key_pose[i, j] = tracks.pose[i, j]
         for k in range(3):
             tracks.key_covariance[i, j, k] = at.matrix[j, k] + tracks.spread[i, j, k]
-    _extend(Outline(scans.points[i], scans.lines[i], scans.rays[i]), _key(keys, i), at.start)
+    extend(Outline(scans.points[i], scans.lines[i], scans.rays[i]), _key(keys, i), at.start)
     for j in range(keys.seen.shape[1]):
         for k in range(2):
             keys.seen[i, j, k] = scans.points[i, j, k]
@@ -336,15 +257,44 @@ def _is_far(pose: Floats, other: Floats, distance: float, angle: float) -> bool:
     return bool(dx * dx + dy * dy >= distance * distance or abs(wrap(pose[2] - other[2])) >= angle)
 
 
+@part
+def _has_changed(points: Floats, before: Floats, by: float) -> bool:
+    """Whether most beams that see something see it nearer or farther than before, by more than `by` [m].
+
+    So a robot whose wheels slip or stand is seen to move.
+    """
+    seen = 0
+    changed = 0
+    for j in range(points.shape[0]):
+        dx = points[j, 0] - before[j, 0]
+        dy = points[j, 1] - before[j, 1]
+        square = dx * dx + dy * dy
+        if not math.isnan(square):
+            seen += 1
+            if square > by * by:
+                changed += 1
+    return 2 * changed > seen
+
+
+@part
+def _remember(i: int, scans: Outlines, tracks: Tracks) -> None:
+    """Keep the pose and the scan of a match."""
+    for j in range(3):
+        tracks.last[i, j] = tracks.pose[i, j]
+    for j in range(scans.points.shape[1]):
+        for k in range(2):
+            tracks.last_points[i, j, k] = scans.points[i, j, k]
+
+
 @kernel
 def track(
     scans: Outlines, fresh: Bools, keys: Keys, tracks: Tracks, rules: Rules, at: Room, records: Floats, out: Bools
 ) -> None:
     """Match the new scans of N rows that have moved since their last match, and correct their tracks.
 
-    `records` (N, 12) are of the matches of this step, nan where there was none. `out` (N, 2): whether a row has a new
-    key, and whether it was matched. The motion since the old key, whose `spread` a caller may want, is set to 0 by the
-    caller.
+    They have moved if the wheels or the scans have it so. `records` (N, 12) are of the matches of this step, nan where
+    there was none. `out` (N, 2): whether a row has a new key, and whether it was matched. The motion since the old key,
+    whose `spread` a caller may want, is set to 0 by the caller.
     """
     for i in range(fresh.shape[0]):
         out[i, 0] = False
@@ -353,14 +303,17 @@ def track(
             continue
         if math.isnan(tracks.last[i, 0]):
             _make_key(i, scans, keys, tracks, at)
-            tracks.last[i] = tracks.pose[i]
+            _remember(i, scans, tracks)
             out[i, 0] = True
             continue
-        if not _is_far(tracks.pose[i], tracks.last[i], rules.match_distance, rules.match_angle):
+        if not (
+            _is_far(tracks.pose[i], tracks.last[i], rules.match_distance, rules.match_angle)
+            or _has_changed(scans.points[i], tracks.last_points[i], rules.match_distance + rules.search.std)
+        ):
             continue
         out[i, 1] = True
         share = _match(i, scans, keys, tracks, rules, at, records[i])
-        tracks.last[i] = tracks.pose[i]
+        _remember(i, scans, tracks)
         if share < rules.key_share or _is_far(tracks.pose[i], tracks.key_pose[i], rules.key_distance, rules.key_angle):
             out[i, 0] = True
 
@@ -374,13 +327,24 @@ def make_keys(scans: Outlines, is_new: Bools, keys: Keys, tracks: Tracks, at: Ro
             tracks.spread[i] = 0.0
 
 
+@part
+def _is_at_border(window: correlative.Window, at: Room) -> bool:
+    """Whether the first stage's pose is at the border of the window: the best one may be beyond."""
+    inside = window.linear - at.picture.resolution
+    return bool(
+        abs(at.found[0] - at.start[0]) > inside
+        or abs(at.found[1] - at.start[1]) > inside
+        or abs(wrap(at.found[2] - at.start[2])) > window.angular - window.angular_step
+    )
+
+
 @kernel
 def _look_farther(key: icp.Reference, scan: Outline, fit: float, rules: Rules, at: Room) -> float:
     """Look for a pose in a window several times as large, and take it if it fits clearly better; returns how well."""
     wide = correlative.Window(
         _FARTHER * rules.window.linear, min(_FARTHER * rules.window.angular, math.pi), rules.window.angular_step
     )
-    farther = align_outline(key, scan, wide, at.free, rules, at)
+    farther = align_outline(key, scan, wide, at.prior, rules, at)
     if farther > fit + _CLEARLY:
         return farther
     return align_outline(key, scan, rules.window, at.prior, rules, at)
@@ -408,7 +372,7 @@ def _match(i: int, scans: Outlines, keys: Keys, tracks: Tracks, rules: Rules, at
     invert(at.matrix, at.prior.information)
     _draw(key, keys.seen[i], keys.mounts[i], at)
     fit = align_outline(key, scan, rules.window, at.prior, rules, at)
-    if fit < rules.sure_fit and rules.window.linear > 0.0:
+    if rules.window.linear > 0.0 and (fit < rules.sure_fit or _is_at_border(rules.window, at)):
         fit = _look_farther(key, scan, fit, rules, at)
     found = at.result
     share: float = found.quality[0]
@@ -416,7 +380,7 @@ def _match(i: int, scans: Outlines, keys: Keys, tracks: Tracks, rules: Rules, at
     record[SHARE] = share
     record[DISTANCE] = found.quality[1]
     record[WEAKEST] = found.values[0] / found.values[2] if found.values[2] > 0.0 else 0.0
-    record[DEGENERATE] = 1.0 if record[WEAKEST] < rules.degenerate else 0.0
+    record[DEGENERATE] = 1.0 if record[WEAKEST] < rules.search.degenerate else 0.0
     c = math.cos(heading)
     s = math.sin(heading)
     record[DIRECTION] = c * found.vectors[0, 0] - s * found.vectors[1, 0]
@@ -438,7 +402,7 @@ def _match(i: int, scans: Outlines, keys: Keys, tracks: Tracks, rules: Rules, at
     tracks.pose[i, 2] = turned
     for j in range(3):
         for k in range(3):
-            at.prior.information[j, k] += found.information[j, k]
+            at.prior.information[j, k] = found.kept[j, k] + found.information[j, k]
     if invert(at.prior.information, at.matrix):
         _turn(at.matrix, heading, tracks.spread[i])
     return share

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import amorsim as am
-from amorsim.kernels.matching import correlative, icp
+from amorsim.kernels.matching import correlative, icp, priors
 from tests.kernels.matching.scenes import off, reference_of, room, scan
 
 STEP = math.radians(1.0)
@@ -77,7 +77,7 @@ def successes(count, trials, both):
             start = rng.uniform((-0.2, -0.2, -math.pi / 4), (0.2, 0.2, math.pi / 4))
             if both:
                 start, _ = correlate(picture, found.points, start, window)
-            icp.align(reference_of(found), found, start, icp.no_prior(), search, work, result)
+            icp.align(reference_of(found), found, start, priors.no_prior(), search, work, result)
             good += off(result.pose, np.zeros(3))[0] <= 0.05
             done += 1
     return good / done

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import amorsim as am
-from amorsim.kernels.matching import icp
+from amorsim.kernels.matching import icp, priors
 from tests.kernels.matching.scenes import WHOLE, outline_of, reference_of
 
 STD = 0.01
@@ -53,7 +53,7 @@ def errors(count, seed, std=STD):
     off = np.empty((count, 3))
     for row in off:
         scan = outline_of(ranges + std * rng.normal(size=len(WHOLE)), WHOLE)
-        icp.align(key, scan, true.copy(), icp.no_prior(), icp.Search(STD, 0.3, 60, 1e-7), work, found)
+        icp.align(key, scan, true.copy(), priors.no_prior(), icp.Search(STD, 0.3, 60, 1e-7), work, found)
         row[:] = found.pose - true
     return off
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import amorsim as am
-from amorsim.kernels.matching import icp
+from amorsim.kernels.matching import icp, priors
 from amorsim.kernels.matching.symmetric import eigen, invert, solve
 from tests.kernels.matching.scenes import HALF, WHOLE, circle, corridor, off, outline_of, reference_of, room, scan
 
@@ -16,7 +16,9 @@ SEARCH = icp.Search(0.01, 0.6, 60, 1e-6)
 def align(reference, moved, start=(0.0, 0.0, 0.0), prior=None, search=SEARCH):
     out = icp.result()
     work = icp.work(len(moved.points))
-    icp.align(reference_of(reference), moved, np.array(start, dtype=float), prior or icp.no_prior(), search, work, out)
+    icp.align(
+        reference_of(reference), moved, np.array(start, dtype=float), prior or priors.no_prior(), search, work, out
+    )
     return out
 
 
@@ -114,9 +116,40 @@ def test_along_a_corridor_it_stays_where_it_started():
 def test_a_prior_counts_where_the_scan_tells_nothing():
     world = corridor()
     key, moved = scan(world, (30.0, 1.0, 0.0), WHOLE)[1], scan(world, (30.2, 1.03, 0.02), WHOLE)[1]
-    prior = icp.Prior(np.array([0.2, 0.0, 0.0]), np.diag((1e4, 1e2, 1e2)))
-    result = align(key, moved, start=(0.5, 0.0, 0.0), prior=prior)
-    np.testing.assert_allclose(result.pose, [0.2, 0.03, 0.02], atol=0.01)
+    for freedom in (math.inf, 3.0):
+        prior = priors.Prior(np.array([0.2, 0.0, 0.0]), np.diag((1e4, 1e2, 1e2)), freedom)
+        result = align(key, moved, start=(0.5, 0.0, 0.0), prior=prior)
+        np.testing.assert_allclose(result.pose, [0.2, 0.03, 0.02], atol=0.01)
+        np.testing.assert_array_equal(result.kept, prior.information)
+
+
+def test_a_prior_that_the_scan_contradicts_counts_little_if_its_tails_are_long():
+    """Wheels that slipped: they are sure of a place to 1 mm, and 0.1 m beside the scan's."""
+    key, moved = scan(room(), (2.0, 2.0, 0.0), WHOLE)[1], scan(room(), (2.1, 2.0, 0.0), WHOLE)[1]
+    information = np.diag((1e6, 1e6, 1e6))
+    normal = align(key, moved, start=(0.1, 0.0, 0.0), prior=priors.Prior(np.zeros(3), information, math.inf))
+    student = align(key, moved, start=(0.1, 0.0, 0.0), prior=priors.Prior(np.zeros(3), information, 3.0))
+    np.testing.assert_array_equal(normal.kept, information)
+    assert abs(normal.pose[0] - 0.1) > 0.01
+    np.testing.assert_allclose(student.pose, [0.1, 0.0, 0.0], atol=0.003)
+    # Of the difference between both poses, by the sum of their covariances, it leaves what Student's t does.
+    off = align(key, moved, start=(0.1, 0.0, 0.0)).pose
+    own = np.linalg.inv(student.information)
+    before = off @ np.linalg.solve(np.linalg.inv(information) + own, off)
+    after = off @ np.linalg.solve(np.linalg.inv(student.kept) + own, off)
+    assert after == pytest.approx(before * 6.0 / (3.0 + before), rel=0.1)
+    # Across that way it is as sure as before.
+    assert student.kept[1, 1] > 0.9e6
+
+
+def test_a_wall_that_beams_graze_has_lines_far_away():
+    """In a corridor the points of a wall are half a metre apart at 6 m, and tell most of the heading."""
+    found = scan(corridor(width=2.0), (30.0, 1.0, 0.0), WHOLE)[1]
+    far = np.abs(found.points[:, 0]) > 4.0
+    assert far.sum() >= 20
+    is_line = np.isfinite(found.lines[:, 2])
+    assert (is_line & far).sum() >= 0.8 * far.sum()
+    np.testing.assert_allclose(np.abs(found.lines[is_line & far][:, 3]), 1.0, atol=1e-6)
 
 
 def test_in_a_round_room_the_heading_stays_what_it_was():

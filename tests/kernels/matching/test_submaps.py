@@ -19,7 +19,6 @@ RULES = tracking.Rules(
     key_share=0.6,
     least_fit=0.35,
     sure_fit=0.45,
-    degenerate=0.01,
     window=correlative.Window(0.5, math.radians(20.0), math.radians(1.0)),
     search=icp.Search(0.01, 0.3, 60, 1e-6),
 )

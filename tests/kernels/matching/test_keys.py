@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import amorsim as am
-from amorsim.kernels.matching import icp, tracking
+from amorsim.kernels.matching import icp, keys
 from tests.kernels.matching.scenes import HALF, room, scan
 
 SIZE = 3 * len(HALF)
@@ -20,7 +20,7 @@ def test_a_key_keeps_what_the_newest_scan_does_not_see():
     world, first, second = room(), np.array([1.5, 1.2, 0.4]), np.array([1.6, 1.3, 0.4 + math.pi / 2.0])
     key = icp.reference(SIZE)
     for pose, moved in ((first, np.zeros(3)), (second, am.relative(first[None], second[None])[0])):
-        tracking._extend(scan(world, pose)[1], key, moved)
+        keys.extend(scan(world, pose)[1], key, moved)
     found = points_of(key)
     alone = points_of(scan(world, second)[1])
     assert len(found) > 1.3 * len(alone)
@@ -37,7 +37,7 @@ def test_what_the_newest_scan_sees_through_is_gone():
     key = icp.reference(SIZE)
     for walls, is_there in ((np.concatenate((around, box)), True), (around, False)):
         world = am.Map.from_segments(walls, resolution=0.001)
-        tracking._extend(scan(world, (0.0, 0.0, 0.0))[1], key, np.zeros(3))
+        keys.extend(scan(world, (0.0, 0.0, 0.0))[1], key, np.zeros(3))
         near = np.abs(points_of(key) - (2.0, 0.0)).max(axis=1) < 0.35
         assert near.any() == is_there
 
@@ -50,7 +50,7 @@ def test_a_key_holds_so_many_points_and_the_newest_scan_whole(scans):
     for n in range(scans):
         pose = np.array([1.5, 1.2, 0.5 * n])
         seen = scan(world, pose)[1]
-        tracking._extend(seen, key, am.relative(before[None], pose[None])[0])
+        keys.extend(seen, key, am.relative(before[None], pose[None])[0])
         before = pose
     held, newest = points_of(key), points_of(seen)
     assert len(held) <= SIZE
