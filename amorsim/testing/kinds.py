@@ -276,12 +276,20 @@ class EstimatorTrial(Trial[Estimator]):
         self._check_covariance(covariance)
         outputs = {"pose": pose, "covariance": covariance}
         with self.who.calling("failed"):
-            failed: Any = component.failed(state)
-        if failed is not None:
-            fits = isinstance(failed, np.ndarray) and failed.dtype == bool and failed.shape == (rows,)
-            self.who.require(fits, "failed", "failed()", f"None or bool ({rows},)", array_in_words(failed))
-            outputs["failed"] = failed.copy()  # it may be an array of the state
+            failed = component.failed(state)
+        outputs |= self._verdict("failed", failed, (rows,))
+        with self.who.calling("is_current"):
+            current = component.is_current(readings, state)
+        outputs |= self._verdict("is_current", current, (rows, 1))
         return {**outputs, **_beliefs_of(self, component, session, state)}
+
+    def _verdict(self, name: str, found: Any, shape: tuple[int, ...]) -> Outputs:
+        """What a method tells of each row, which it may leave open."""
+        if found is None:
+            return {}
+        fits = isinstance(found, np.ndarray) and found.dtype == bool and found.shape == shape
+        self.who.require(fits, name, f"{name}()", f"None or bool {shape}", array_in_words(found))
+        return {name: found.copy()}  # it may be an array of the state
 
     def _check_covariance(self, covariance: Array) -> None:
         require = self.who.require

@@ -787,6 +787,12 @@ class FailsInNumbers(StaysPut):
 
 
 @frozen
+class CurrentByRow(StaysPut):
+    def is_current(self, readings: Mapping[str, Measurement], state: State) -> npt.NDArray[np.bool_]:
+        return np.ones(len(state["age"]), dtype=bool)
+
+
+@frozen
 class SourcesInPairs(StaysPut):
     def sources(self) -> Sequence[tuple[str, str, str]]:
         return [("wheels", "motion")]  # type: ignore[list-item]
@@ -934,6 +940,7 @@ BROKEN = {
     JacobianByAngle: "jacobian",
     PlainTuple: "shapes",
     FailsInNumbers: "failed",
+    CurrentByRow: "is_current",
     SourcesInPairs: "sources",
     NoColumns: "columns",
     ThreeColumns: "columns",
@@ -1314,6 +1321,7 @@ class Single(am.Metric):
         (Shouts, "expected bool (64, 1), found float64 (64, 1)"),
         (Single, "expected float64 (7,), found float32 (7,)"),
         (FailsInNumbers, "expected None or bool (64,), found bool (64, 1)"),
+        (CurrentByRow, "expected None or bool (64, 1), found bool (64,)"),
     ],
 )
 def test_an_array_of_another_type_is_told_with_its_type(cls, words):
