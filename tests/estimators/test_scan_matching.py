@@ -120,9 +120,9 @@ def test_a_replica_alone_and_among_others_has_the_same_bits():
         assert array.tobytes() == every.beliefs["matched"][name][2:3].tobytes(), name
 
 
-def followed(*headings, people=0.0):
+def followed(*headings, people=0.0, **changes):
     """Poses and beliefs of a robot whose wheels stand, at each of these headings; a share of the beams sees people."""
-    robot = scenario(matched=matching(window_angle=math.radians(10.0))).robots[0]
+    robot = scenario(matched=matching(window_angle=math.radians(10.0), **changes)).robots[0]
     runner = am.EstimatorRunner(robot, "matched")
     bearings = robot.sensors["laser"].sensor.bearings()[0]
     found = []
@@ -137,8 +137,16 @@ def followed(*headings, people=0.0):
 
 @pytest.mark.parametrize("turned", [0.1, 0.2, 0.3, 0.5])
 def test_a_robot_that_is_turned_while_its_wheels_stand_is_followed(turned):
-    """Also beyond the window, for a scan whose best pose is at its border is looked for farther away."""
+    """Also beyond the window, where it fits badly."""
     _, (pose, beliefs) = followed(0.0, turned)
+    assert beliefs["match_used"] == 1.0
+    np.testing.assert_allclose(pose, [1.0, 1.0, turned], atol=0.02)
+
+
+@pytest.mark.parametrize("turned", [-0.35, 0.35])
+def test_a_scan_whose_best_pose_is_at_the_windows_border_is_looked_for_beyond(turned):
+    """However well it fits there."""
+    _, (pose, beliefs) = followed(0.0, turned, sure_fit=0.0)
     assert beliefs["match_used"] == 1.0
     np.testing.assert_allclose(pose, [1.0, 1.0, turned], atol=0.02)
 
