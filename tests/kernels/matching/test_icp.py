@@ -248,3 +248,46 @@ def test_a_thin_wall_is_not_matched_from_behind():
     result = align(before, behind, start=(2.0, 0.0, math.pi))  # the frame of the first looks along +y
     sides = np.abs(behind.points[:, 0] - 0.98) > 0.01
     assert result.quality[0] < 0.05 + sides.mean()
+
+
+def corridor_with(jambs):
+    """The scan of a corridor's two walls and some jambs, and a key in which the jambs' lines are off by 0.03 m."""
+    along = np.linspace(-3.0, 3.0, 61)
+    points = np.concatenate((
+        np.column_stack((along, np.full(61, 1.0))),
+        np.column_stack((along, np.full(61, -1.0))),
+        (2.0, 0.8) - 0.1 * np.arange(jambs)[:, None] * (0.8, 0.6),
+    ))  # fmt: skip
+    normals = np.repeat([(0.0, -1.0), (0.0, 1.0), (-0.6, 0.8)], (61, 61, jambs), axis=0)
+    rays = points / np.hypot(*points.T)[:, None]
+    rng = np.random.default_rng(1)
+    seen = points.copy()
+    seen[:122, 0] += 0.03  # other beams, with noise
+    seen[:122, 1] += 0.004 * rng.normal(size=122)
+    lines, off = (np.concatenate((of, normals), axis=1) for of in (seen, points))
+    off[122:, 0] += 0.03
+    return icp.Outline(points, off, rays), icp.Outline(seen, lines, rays)
+
+
+@pytest.mark.parametrize(("jambs", "moved"), [(1, (-0.002, 0.002)), (4, (0.025, 0.035))])
+def test_what_one_point_alone_tells_hardly_counts(jambs, moved):
+    """At a corner a line may be wrong: one point tells that of two which differ by nine standard deviations."""
+    key, seen = corridor_with(jambs)
+    prior = priors.Prior(np.zeros(3), np.diag((2e4, 1e5, 1e4)), 3.0)
+    result = align(key, seen, prior=prior, search=icp.Search(0.005, 0.3, 60, 1e-6))
+    assert moved[0] < result.pose[0] < moved[1]
+    assert (result.information[0, 0] > 1e5) == (jambs > 1)
+
+
+@pytest.mark.long
+def test_pairs_that_are_far_apart_do_not_lead_it_astray():
+    """In a doorway one of these 3,000 scans ends 0.26 m away, unless it begins a second time."""
+    world, rng = am.load("map-the-office").map, np.random.default_rng(3)
+    search, sure = icp.Search(0.005, 0.3, 60, 1e-6), np.diag((4e4, 4e4, 1.0 / 0.015**2))
+    for _ in range(3000):
+        here = np.array([[12.8 + 0.04 * rng.normal(), 5.35 + 0.2 * rng.normal(), -1.2 - 0.2 * rng.random()]])
+        there = np.array([[12.78 + 0.02 * rng.normal(), 4.76 + 0.1 * rng.normal(), -1.66]])
+        key, seen = (scan(world, pose[0], HALF, 0.005, rng)[1] for pose in (here, there))
+        true = am.relative(here, there)[0]
+        result = align(key, seen, start=true, prior=priors.Prior(true, sure, 3.0), search=search)
+        assert off(result.pose, true)[0] < 0.1
