@@ -140,6 +140,8 @@ class GridSlam(MapArea, Estimator):
             "weights": np.full((rows, self.particles), -math.log(self.particles)),
             "paths": np.full((rows, self.particles, self.nodes, 3), np.nan),
             "nodes": np.zeros(rows, np.int64),
+            "drift": np.zeros((rows, 3, 3)),
+            "node_drift": np.zeros((rows, self.nodes, 3, 3)),
             "node_ranges": np.full((rows, self.nodes, beams), np.nan),
             "node_lines": np.full((rows, self.nodes, beams, 4), np.nan),
             "scan": np.full((rows, beams, 2), np.nan),
@@ -182,7 +184,9 @@ class GridSlam(MapArea, Estimator):
         weighing = kernels.Weighing(
             float(self.weighing_std), float(self.weighing_points), _REFERENCES, _REACH, every, search
         )
-        believed = kernels.Particles(state["particles"], state["weights"], state["paths"], state["nodes"])
+        believed = kernels.Particles(
+            state["particles"], state["weights"], state["paths"], state["nodes"], state["drift"], state["node_drift"]
+        )
         room = kernels.workshop(ranges.shape[1], _REFERENCES, every)
         normals = draws.normal(3 * self.particles)
         uniforms = draws.uniform(1)
@@ -214,6 +218,7 @@ class GridSlam(MapArea, Estimator):
         state["paths"][row, :, count] = state["particles"][row]
         state["node_ranges"][row, count] = ranges
         state["node_lines"][row, count] = scans.lines[row]
+        state["node_drift"][row, count] = state["drift"][row]
         state["nodes"][row] = count + 1
         return True
 
@@ -283,7 +288,7 @@ def _effective(weights: Array) -> Array:
 
 
 def _estimate_of(state: State) -> Estimate:
-    """The best particle, moved by the wheels since the last scan, and the spread of the others about it."""
+    """The best particle, moved by the wheels since the last scan, and the spread of the others about it, with drift."""
     weights = _weights_of(state)
     best = np.argmax(weights, axis=1)
     pose = state["particles"][np.arange(len(best)), best]
@@ -300,4 +305,4 @@ def _estimate_of(state: State) -> Estimate:
     for j in range(3):
         for k in range(3):
             spread += turn[:, :, j, None] * turn[:, None, :, k] * state["spread"][:, None, None, j, k]
-    return with_start(Estimate(compose(pose, state["moved"]), covariance + spread + _FLOOR), state)
+    return with_start(Estimate(compose(pose, state["moved"]), covariance + spread + state["drift"] + _FLOOR), state)

@@ -65,7 +65,8 @@ def particles_of(weights):
     pose = np.zeros((1, count, 3))
     pose[0, :, 0] = np.arange(count)
     path = np.repeat(pose[:, :, None], 2, axis=2)
-    return Particles(pose, np.log(np.array([weights], dtype=float)), path, np.array([2]))
+    drift, node_drift = np.zeros((1, 3, 3)), np.zeros((1, 2, 3, 3))
+    return Particles(pose, np.log(np.array([weights], dtype=float)), path, np.array([2]), drift, node_drift)
 
 
 def drawn(weights, share, mark):

@@ -19,7 +19,7 @@ from amorsim.kernels.kinematics.poses import displaced
 from amorsim.kernels.matching import icp, priors
 from amorsim.kernels.matching.outlines import Outline, new_outline
 from amorsim.kernels.matching.symmetric import invert
-from amorsim.kernels.matching.tracking import Outlines
+from amorsim.kernels.matching.tracking import Outlines, swing
 
 __all__ = ["Particles", "Weighing", "Workshop", "move_and_match", "resample", "workshop"]
 
@@ -38,6 +38,8 @@ class Particles(NamedTuple):
     weight: Floats  # (N, P), logarithms
     path: Floats  # (N, P, K, 3) where the nodes' scans were taken
     nodes: Ints  # (N,) how many
+    drift: Floats  # (N, 3, 3) covariance of the heaviest one's pose by errors of scans, which its map does not show
+    node_drift: Floats  # (N, K, 3, 3) and when the nodes' scans were taken
 
 
 class Weighing(NamedTuple):
@@ -63,6 +65,7 @@ class Workshop(NamedTuple):
     turned: Floats  # (3, 3)
     root: Floats  # (3, 3)
     start: Floats  # (3,)
+    drift: Floats  # (3, 3)
 
 
 def workshop(beams: int, references: int, every: int) -> Workshop:
@@ -78,6 +81,7 @@ def workshop(beams: int, references: int, every: int) -> Workshop:
         np.empty((3, 3)),
         np.empty((3, 3)),
         np.empty(3),
+        np.empty((3, 3)),
     )
 
 
@@ -160,6 +164,7 @@ def move_and_match(
             at.scan.rays[k, 1] = scans.rays[i, j, 1]
         _root(spread[i], at.root)
         count = particles.nodes[i]
+        heaviest = -math.inf
         for p in range(particles.pose.shape[1]):
             pose = particles.pose[i, p]
             heading = pose[2]
@@ -182,6 +187,9 @@ def move_and_match(
             particles.weight[i, p] += _likelihood(weighing, at)
             for k in range(3):
                 pose[k] = at.result.pose[k]
+            if particles.weight[i, p] > heaviest:
+                heaviest = particles.weight[i, p]
+                _sum_up_drift(particles.node_drift[i], path, found, at, particles.drift[i])
 
 
 @part
@@ -207,6 +215,32 @@ def _know(spread: Floats, heading: float, pose: Floats, at: Workshop) -> None:
     for k in range(3):
         at.prior.pose[k] = pose[k]
         at.start[k] = pose[k]
+
+
+@part
+def _sum_up_drift(node_drift: Floats, path: Floats, found: int, at: Workshop, out: Floats) -> None:
+    """Compute the covariance (3, 3) of a matched pose by errors of scans: of this one, and of those it was laid on.
+
+    What the wheels' errors add is not in it, as the particles have been moved with such errors.
+    """
+    for i in range(3):
+        for j in range(3):
+            at.drift[i, j] = at.result.kept[i, j] + at.result.information[i, j]
+            out[i, j] = 0.0
+    if invert(at.drift, at.turned):
+        for i in range(3):
+            for j in range(3):
+                for k in range(3):
+                    for m in range(3):
+                        out[i, j] += at.turned[i, k] * at.result.information[k, m] * at.turned[m, j]
+    for n in range(found):
+        node = at.chosen[n]
+        dx = at.result.pose[0] - path[node, 0]
+        dy = at.result.pose[1] - path[node, 1]
+        swing(node_drift[node], dx, dy, at.drift)
+        for i in range(3):
+            for j in range(3):
+                out[i, j] += at.drift[i, j] / found
 
 
 @part

@@ -37,6 +37,7 @@ __all__ = [
     "align_outline",
     "make_keys",
     "room",
+    "swing",
     "total_covariances",
     "track",
 ]
@@ -197,7 +198,7 @@ def align_outline(
 
 
 @part
-def _swing(covariance: Floats, dx: float, dy: float, out: Floats) -> None:
+def swing(covariance: Floats, dx: float, dy: float, out: Floats) -> None:
     """Carry a pose's covariance (3, 3) to the end of a displacement (dx, dy) in the world."""
     for i in range(3):
         for j in range(3):
@@ -221,7 +222,7 @@ def total_covariances(tracks: Tracks, out: Floats) -> None:
     for i in range(tracks.pose.shape[0]):
         dx = tracks.pose[i, 0] - tracks.key_pose[i, 0]
         dy = tracks.pose[i, 1] - tracks.key_pose[i, 1]
-        _swing(tracks.key_covariance[i], dx, dy, out[i])
+        swing(tracks.key_covariance[i], dx, dy, out[i])
         for j in range(3):
             for k in range(3):
                 out[i, j, k] += tracks.spread[i, j, k]
@@ -239,7 +240,7 @@ def _make_key(i: int, scans: Outlines, keys: Keys, tracks: Tracks, at: Room) -> 
     dx = tracks.pose[i, 0] - tracks.key_pose[i, 0]
     dy = tracks.pose[i, 1] - tracks.key_pose[i, 1]
     _relative(tracks.key_pose[i], tracks.pose[i], at.start)
-    _swing(tracks.key_covariance[i], dx, dy, at.matrix)
+    swing(tracks.key_covariance[i], dx, dy, at.matrix)
     for j in range(3):
         tracks.key_pose[i, j] = tracks.pose[i, j]
         for k in range(3):
