@@ -20,7 +20,18 @@ from amorsim.kernels.filters.beams import Field, Place
 from amorsim.kernels.filters.particles import Free
 from amorsim.kernels.grid.distances import distances
 
-__all__ = ["MOST_CELLS", "Ends", "field_of", "free_of", "maps_of", "no_field", "nowhere", "place_of"]
+__all__ = [
+    "MOST_CELLS",
+    "PARTS",
+    "Ends",
+    "field_from",
+    "field_of",
+    "free_of",
+    "maps_of",
+    "no_field",
+    "nowhere",
+    "place_of",
+]
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -28,6 +39,9 @@ T = TypeVar("T")
 Array = npt.NDArray[np.float64]
 
 MOST_CELLS = 10**8
+PARTS = 10  # of a cell, to which distances are rounded
+_MOST_FINER = 10**7  # cells on which distances to walls are taken, if a field's are larger
+_ROUNDING = 1e-9
 _KEPT = 4  # of what is made of a map for one set of arguments
 _LARGEST = 2**31 - 1  # sum of a scan's steps
 
@@ -84,8 +98,11 @@ class Ends(NamedTuple):
 
 
 @_once
-def _squares(known: Map, resolution: float, distance_max: float) -> tuple[npt.NDArray[np.int32], float, int]:
-    """The square of the distance to the nearest wall at each cell of a map, in cells; their side [m], and the margin.
+def _parts_away(known: Map, resolution: float, distance_max: float) -> tuple[npt.NDArray[np.int32], float, int]:
+    """How far each cell of a map is from the surface of a wall, in parts of a cell; their side [m], and the margin.
+
+    Distances are those of the cells' middles, from inside of walls as from outside. They are taken on finer cells, as
+    far as the map has any, or the surfaces would be off by up to a cell.
 
     Raises
     ------
@@ -94,18 +111,45 @@ def _squares(known: Map, resolution: float, distance_max: float) -> tuple[npt.ND
     """
     resolution = max(resolution, known.resolution)
     margin = math.ceil(distance_max / resolution)
-    width, height = known.size
-    count = (width / resolution + 2 * margin) * (height / resolution + 2 * margin)
-    if count > MOST_CELLS:
+    cols, rows = (max(1, math.ceil(length / resolution - _ROUNDING)) + 2 * margin for length in known.size)
+    if rows * cols > MOST_CELLS:
         raise ComponentError(
-            f"monte_carlo: a likelihood field of {count:.3g} cells of {resolution:g} m is too large; expected "
+            f"monte_carlo: a likelihood field of {rows * cols:.3g} cells of {resolution:g} m is too large; expected "
             f"{MOST_CELLS:g} at most: use a larger field_resolution"
         )
-    cells = np.pad(known.to_array(resolution=resolution), margin)
-    away = np.empty(cells.shape)
-    distances(cells, away)
-    np.minimum(away, margin, out=away)
-    return np.rint(away * away).astype(np.int32), resolution, margin
+    finer = next(times for times in (5, 3, 1) if times == 1 or rows * cols * times * times <= _MOST_FINER)
+    side = max(known.resolution, resolution / finer)
+    far = math.ceil(distance_max / side)
+    walls = np.pad(known.to_array(resolution=side), far)
+    away, inside = np.empty(walls.shape), np.empty(walls.shape)
+    distances(walls, away)
+    distances(1 - walls, inside)
+    np.copyto(away, inside, where=walls > 0)
+    at_row, at_col = (
+        np.clip(((np.arange(count) - margin + 0.5) * (resolution / side) + far).astype(np.int64), 0, most - 1)
+        for count, most in zip((rows, cols), walls.shape, strict=True)
+    )
+    # A surface is half a cell from the middle of the cell beside it.
+    parts = (away[at_row[:, None], at_col] - 0.5) * (PARTS * side / resolution)
+    return np.rint(np.minimum(parts, PARTS * margin)).astype(np.int32), resolution, margin
+
+
+def field_from(parts_away: npt.NDArray[np.int32], resolution: float, margin: int, ends: Ends) -> Field:
+    """The likelihood field of cells (rows, cols) with those distances from a wall, in parts of a cell.
+
+    They include a margin of so many cells to each side, and are at most as far as that.
+    """
+    away = np.minimum(np.arange(PARTS * margin + 1) * (resolution / PARTS), ends.distance_max)
+    density = ends.rest + ends.hit * (
+        elementary.exp(-0.5 * (away / ends.std) ** 2) / (ends.std * math.sqrt(2.0 * math.pi))
+    )
+    added = elementary.power(density, 3.0) if ends.cubed else elementary.log(density)
+    base = float(added[-1])
+    unit = (float(added[0]) - base) / (_LARGEST // ends.beams) or 1.0
+    steps = np.rint((added - base) / unit).astype(np.int32)[parts_away.reshape(-1)]
+    steps.flags.writeable = False
+    rows, cols = parts_away.shape
+    return Field(steps, rows, cols, resolution, margin * resolution, unit, base)
 
 
 @_once
@@ -119,18 +163,8 @@ def field_of(known: Map, resolution: float, ends: Ends) -> Field:
     ComponentError
         If it would have more than `MOST_CELLS` cells.
     """
-    squares, resolution, margin = _squares(known, resolution, ends.distance_max)
-    away = np.minimum(np.sqrt(np.arange(margin * margin + 1)) * resolution, ends.distance_max)
-    density = ends.rest + ends.hit * (
-        elementary.exp(-0.5 * (away / ends.std) ** 2) / (ends.std * math.sqrt(2.0 * math.pi))
-    )
-    added = elementary.power(density, 3.0) if ends.cubed else elementary.log(density)
-    base = float(added[-1])
-    unit = (float(added[0]) - base) / (_LARGEST // ends.beams) or 1.0
-    steps = np.rint((added - base) / unit).astype(np.int32)[squares.reshape(-1)]
-    steps.flags.writeable = False
-    rows, cols = squares.shape
-    return Field(steps, rows, cols, resolution, margin * resolution, unit, base)
+    parts_away, resolution, margin = _parts_away(known, resolution, ends.distance_max)
+    return field_from(parts_away, resolution, margin, ends)
 
 
 @_once
