@@ -41,7 +41,7 @@ Array = npt.NDArray[np.float64]
 MOST_CELLS = 10**8
 PARTS = 10  # of a cell, to which distances are rounded
 _MOST_FINER = 10**7  # cells on which distances to walls are taken, if a field's are larger
-_ROUNDING = 1e-9
+_ROUNDING = 1e-9  # of a cell, by which a map may seem longer than whole cells
 _KEPT = 4  # of what is made of a map for one set of arguments
 _LARGEST = 2**31 - 1  # sum of a scan's steps
 

@@ -61,6 +61,6 @@ def test_errors_are_about_as_large_as_covariances_say(tmp_path: Path) -> None:
         error[:, 2] = am.wrap_angle(error[:, 2])
         squares = [off @ np.linalg.solve(p, off) for off, p in zip(error, covariance, strict=True)]
         assert np.mean(squares) < 6.0, name
-    # The field's cells are 0.05 m; it was 18 mm, when all of a wall was at the distance 0.
+    # The field's cells are 0.05 m; it is 16 mm, if all of a wall is at the distance 0.
     off = frame.estimates["monte_carlo"].pose - frame.true_pose
     assert np.hypot(off[:, 0], off[:, 1]).mean() < 0.014
