@@ -16,6 +16,7 @@ import numpy.typing as npt
 from amorsim.algorithms.pose_graph import PoseGraph, write_g2o
 from amorsim.analysis.recordings import RECORDING, read_log
 from amorsim.analysis.run_log import LogEntry
+from amorsim.analysis.slam_replay import SlamReplay
 from amorsim.analysis.trajectory import Trajectory, write_tum
 from amorsim.contracts import Estimator
 from amorsim.core.arguments import check_kind, checked, path_of
@@ -179,6 +180,8 @@ def slam(
     replica: int | None = None,
     damaged: Callable[[str], None] | None = None,
     progress: bool = True,
+    out: str | os.PathLike[str] | None = None,
+    resolution: float = 0.05,
 ) -> SlamResult:
     """Run an estimator on a log, and keep the path, the scans and the graph.
 
@@ -195,11 +198,17 @@ def slam(
         The name of one of the robot's, or any other.
     progress
         Whether a bar shows how far it is.
+    out
+        Folder, new or empty, for the files that `SlamResult.save` writes and all moments of the log, in the form of a
+        run's folder without truth: ``amorsim replay OUT`` plays them.
+    resolution
+        Side of a cell of the map in that folder [m].
 
     Raises
     ------
     AmorsimError
-        If the log cannot be read, the robot has no such estimator or sensors, or the log has no scan.
+        If the log cannot be read, the robot has no such estimator or sensors, or the log has no scan; or if the folder
+        holds something or cannot be written.
     """
     path = path_of(log, "log", RECORDING)
     robot = _placed(robot)
@@ -210,27 +219,39 @@ def slam(
     entries = list(read_log(path, robot, **given))  # type: ignore[arg-type]  # as their names have them
     kept = _Kept()
     is_whole = False
-    with contextlib.suppress(KeyboardInterrupt):
-        for entry in _shown(entries, progress=progress):
-            estimate, reckoned = mapper.update(*entry), wheels.update(*entry)
-            if laser in entry.readings:
-                kept.add(entry, laser, estimate.pose, reckoned.pose, mapper.beliefs)
-        is_whole = True
-    if not kept.times:
-        raise AnalysisError(
-            f"{path}: no scan of the sensor {laser!r}" + ("" if is_whole else " until it was interrupted")
+    with contextlib.ExitStack() as on_error:
+        replay = None
+        if out is not None and entries:
+            replay = on_error.enter_context(SlamReplay(out, path.name, entries[-1].time - entries[0].time))
+        with contextlib.suppress(KeyboardInterrupt):
+            for entry in _shown(entries, progress=progress):
+                if replay is not None:
+                    replay.write_until(entry.time - entries[0].time)
+                estimate, reckoned = mapper.update(*entry), wheels.update(*entry)
+                if replay is not None:
+                    replay.keep(mapper.frame())
+                if laser in entry.readings:
+                    kept.add(entry, laser, estimate.pose, reckoned.pose, mapper.beliefs)
+            is_whole = True
+        if not kept.times:
+            raise AnalysisError(
+                f"{path}: no scan of the sensor {laser!r}" + ("" if is_whole else " until it was interrupted")
+            )
+        graph, loops = _graph(mapper.beliefs)
+        result = SlamResult(
+            path=kept.trajectory(kept.final(), f"path by {path.name}"),
+            online=kept.trajectory(kept.poses, f"path by {path.name}, as known at each scan"),
+            odometry=kept.trajectory(kept.wheels, f"path by {path.name}, by the wheels alone"),
+            scans=np.array(kept.scans),
+            laser=robot.sensors[laser],
+            graph=graph,
+            loops=loops,
+            is_whole=is_whole,
         )
-    graph, loops = _graph(mapper.beliefs)
-    return SlamResult(
-        path=kept.trajectory(kept.final(), f"path by {path.name}"),
-        online=kept.trajectory(kept.poses, f"path by {path.name}, as known at each scan"),
-        odometry=kept.trajectory(kept.wheels, f"path by {path.name}, by the wheels alone"),
-        scans=np.array(kept.scans),
-        laser=robot.sensors[laser],
-        graph=graph,
-        loops=loops,
-        is_whole=is_whole,
-    )
+        if replay is not None:
+            result.save(replay.folder, resolution)
+            replay.finish(mapper.robot, is_whole=is_whole)
+    return result
 
 
 class _Kept:

@@ -51,7 +51,7 @@ def command(
 
     check_extra()
     check_port(port)
-    read_about(folder)  # complains before anything is started
+    read_about(folder, needs_truth=False)  # complains before anything is started
     recipe = Recipe(name=str(folder.resolve()), is_recorded=True)
     show(
         recipe,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 __all__ = ["command"]
 
 _MOST_COMPLAINTS = 5  # about damaged lines
+_MADE = ("path.tum", "online.tum", "odometry.tum", "map.yaml", "graph.g2o", "report.html")
 _SAME = 0.006  # [s] in which a scan is that of a relation: six digits of a time after 1000 s are rounded by 5 ms
 
 
@@ -67,13 +69,14 @@ def command(
     """Run an estimator on a log, and leave the robot's path, a map and a report.
 
     The folder has path.tum with the log's own times, map.yaml with its picture, graph.g2o if the estimator has a graph,
-    and report.html. With --relations, the errors in them are printed. Ctrl-C ends it early, and keeps what was found
-    until then.
+    and report.html. It is also the folder of a run, without truth: amorsim replay shows it moment by moment. With
+    --relations, the errors in them are printed. Ctrl-C ends it early, and keeps what was found until then.
     """
     from amorsim.analysis.slam_on_log import slam
     from amorsim.core.atomic_files import write_text
     from amorsim.reports.slam import error_table, slam_page
     from amorsim.runs.folder import new_folder
+    from amorsim.scenario.files.maps import load_map
 
     check_out(out)
     if not resolution > 0.0:
@@ -84,24 +87,30 @@ def command(
     name = _graph_slam(used) if estimator is None else estimator
     damage: list[str] = []
     begun = time.perf_counter()
-    found = slam(log, used, name, topics=pairs or None, damaged=damage.append)
+    folder = new_folder(f"{log.name.partition('.')[0]}-slam") if out is None else out
+    try:
+        found = slam(log, used, name, topics=pairs or None, damaged=damage.append, out=folder, resolution=resolution)
+    except BaseException:
+        if out is None:
+            for empty in (folder, folder.parent):
+                with contextlib.suppress(OSError):
+                    empty.rmdir()
+        raise
     took = time.perf_counter() - begun
     for line in damage[:_MOST_COMPLAINTS]:
         complain(line)
     if len(damage) > _MOST_COMPLAINTS:
         complain(f"and {len(damage) - _MOST_COMPLAINTS} more damaged lines, which were left out")
-    folder = new_folder(f"{log.name.partition('.')[0]}-slam") if out is None else out
-    made = found.save(folder, resolution)
     errors = {} if known is None else _errors(found, known)
     facts = [*_facts(found, log, used, name), ("computed in", f"{took:.0f} s")]
     for what, value in facts:
         say(f"{what}: {value}")
     if errors:
         say("\n" + table(*error_table(errors)))
-    page = slam_page(found, found.map(resolution), log.name, facts, errors)
-    made.append(folder / "report.html")
-    write_text(made[-1], page.text, within=folder)
-    say("\n" + "\n".join(map(str, made)))
+    page = slam_page(found, load_map(folder / "map.yaml"), log.name, facts, errors)
+    write_text(folder / "report.html", page.text, within=folder)
+    say("\n" + "\n".join(str(path) for path in map(folder.joinpath, _MADE) if path.exists()))
+    say(f"To see it happen: amorsim replay {folder}")
     if not found.is_whole:
         complain(f"interrupted: this is of the log up to {found.path.time[-1]:g} s")
         raise typer.Exit(130)

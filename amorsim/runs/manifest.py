@@ -66,6 +66,7 @@ _NEEDED: dict[str, tuple[Check, str]] = {
 _OTHERS: dict[str, tuple[Check, str]] = {
     "format": (lambda value: type(value) is int and value == FORMAT, f"{FORMAT}, the format that this amorsim reads,"),
     "duration": (lambda value: is_real(value) and abs(value) <= _LONGEST, f"a number [s], at most {_LONGEST:g}"),
+    "log": (is_text, "a text"),
     "inputs": (_are_inputs, "a table of fingerprints, by the names of files in the folder"),
     "changes_before": (_is_count, f"a whole number >= 0 and <= {MOST_STEPS}"),
     "amorsim": (is_text, "a text"),
@@ -87,8 +88,13 @@ _OTHERS: dict[str, tuple[Check, str]] = {
 RUN_FOLDER = "the folder of a run"
 
 
-def read_about(folder: str | os.PathLike[str]) -> dict[str, Any]:
+def read_about(folder: str | os.PathLike[str], *, needs_truth: bool = True) -> dict[str, Any]:
     """The content of a folder's ``run.json``, with keys that amorsim does not know kept as they are.
+
+    Parameters
+    ----------
+    needs_truth
+        Whether the folder that `amorsim slam` made of a log is refused: its files have nan where truth would be.
 
     Raises
     ------
@@ -109,6 +115,11 @@ def read_about(folder: str | os.PathLike[str]) -> dict[str, Any]:
             f"{path}: is in format {form}, of another version of amorsim ({version}); this one reads format {FORMAT}"
         )
     check_keys(path, about, _NEEDED, _OTHERS, RunError)
+    if needs_truth and "log" in about:
+        raise RunError(
+            f"{folder}: was made of the log {about['log']} by amorsim slam, so it has no true poses and cannot be "
+            f"simulated again; amorsim replay {folder} shows it, and path.tum in it is the path"
+        )
     return about
 
 

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Beliefs, Context, Estimate, Estimator, LazyBeliefs, Measurement
+from amorsim.contracts import Beliefs, Context, Estimate, Estimator, Frame, LazyBeliefs, Measurement
 from amorsim.core.arguments import check_kind, whole
 from amorsim.core.error_text import in_words
 from amorsim.core.errors import AmorsimError, ComponentError, did_you_mean
 from amorsim.scenario.programs.programs import loaded_robot
 from amorsim.scenario.spec import Robot
 from amorsim.simulation.alike import channels_of, poses_of, reading_size, robot_model
+from amorsim.simulation.beliefs import beliefs_of_step
 from amorsim.simulation.checked_arguments import checked_seed
 from amorsim.simulation.drive_check import check_drive
 from amorsim.simulation.error_context import ErrorContext
@@ -64,6 +65,11 @@ class EstimatorRunner:
         simulation draws about the robot's pose. Without a seed that pose is what the robot believes. Where replicas
         have different maps, the robot knows that of its replica.
 
+    Attributes
+    ----------
+    robot
+        With the estimators that run: the wanted one, and those whose estimates it takes.
+
     Raises
     ------
     AmorsimError
@@ -106,6 +112,7 @@ class EstimatorRunner:
             estimators=_with_feeders(name, {**robot.estimators, name: estimator}, robot),
             knowledge=attrs.evolve(robot.knowledge, map=None if world is None else map_of(world, replica)),
         )
+        self.robot = robot
         self._sizes = {sensor: reading_size(robot, sensor) for sensor in robot.sensors}
         self._model = robot_model([robot], self._sizes, channels_of(robot), self._dt)
         self._clock = RowClock(np.array([replica]), self._dt)
@@ -197,6 +204,42 @@ class EstimatorRunner:
             return np.asarray(found[name][0])
 
         return LazyBeliefs({name: functools.partial(look_up, name) for name in found})
+
+    def frame(self) -> Frame:
+        """The moment after the last update, one row as recorders take it, in copies; nan where truth would be.
+
+        Time [s] and tick count from the first update.
+        """
+        nothing, drive = np.full((1, 3), np.nan), self._model.drive
+        estimates = self._estimators.estimates
+        return Frame(
+            names=[self.robot.name],
+            replica=self._clock.replica,
+            tick=np.array([max(self._tick, 0)]),
+            time=np.array([self._time]),
+            true_pose=nothing,
+            true_twist=nothing,
+            joint_names=[joint.name for joint in drive.joints],
+            joint_rates=np.full((1, len(drive.joints)), np.nan),
+            estimates={
+                name: Estimate(*(part.copy() for part in estimates[name])) for name in self._in_order(estimates)
+            },
+            readings={
+                name: (
+                    np.full_like(held.measured, np.nan),
+                    Measurement(held.measured.copy(), held.stamp.copy(), held.age.copy(), held.fresh.copy()),
+                )
+                for name, held in self._held.items()
+            },
+            channels=self._model.channels,
+            command=self._command.copy(),
+            robot=self._model,
+            beliefs=beliefs_of_step(self._estimators.believers(), lambda: self._estimators.updates),
+        )
+
+    def _in_order(self, names: Iterable[str]) -> list[str]:
+        """Names of estimators, the own one first."""
+        return sorted(names, key=lambda name: name != self._name)
 
     def _go_to(self, time: float) -> float:
         """Put the clock to a time; returns the seconds since the update before, 0 at the first."""

@@ -12,7 +12,9 @@ import pytest
 import amorsim as am
 from amorsim.algorithms.pose_graph import read_g2o
 from amorsim.analysis import clock_offset, read_relations, relation_errors, slam
-from amorsim.core.errors import AnalysisError
+from amorsim.analysis.slam_replay import SlamReplay
+from amorsim.core.errors import AnalysisError, RunError
+from amorsim.runs.tables import read_columns
 from tests import building
 
 
@@ -35,6 +37,56 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("log") / "run"
     am.run(building.scenario(robot), folder, duration=20.0, progress=False)
     return folder
+
+
+def test_a_folder_has_each_moment_of_the_log_without_truth(recorded: Path, tmp_path: Path) -> None:
+    slam(recorded, robot_of(recorded), "graph", progress=False, out=tmp_path / "out", resolution=0.1)
+    here, there = (read_columns(path / "poses.csv", "") for path in (tmp_path / "out", recorded))
+    assert here["time"].tolist() == there["time"].tolist()
+    assert np.isnan(np.array([here[f"true_{part}"] for part in ("x", "y", "heading")])).all()
+    estimated = np.array([[table[f"estimated_{part}"] for part in ("x", "y", "heading")] for table in (here, there)])
+    np.testing.assert_allclose(*estimated, rtol=0.0, atol=2e-3)  # of readings that files have to six decimals
+    scans = [read_columns(path / "sensors" / "laser.csv", "") for path in (tmp_path / "out", recorded)]
+    for column in ("time", "stamp", "measured_7"):
+        np.testing.assert_array_equal(*(table[column] for table in scans))
+    assert np.isnan(scans[0]["true_7"]).all()
+    files = sorted((tmp_path / "out" / "beliefs" / "graph").glob("*.npz"))
+    assert [int(file.stem) for file in files] == list(range(0, 201, 10))
+    with np.load(files[-1]) as arrays:
+        assert arrays["robot"].tolist() == ["rover"]
+        assert np.isfinite(arrays["graph_poses"]).any()
+    world = am.load(tmp_path / "out" / "scenario.toml")
+    assert list(world.robots[0].estimators) == ["graph"]
+    assert world.map.resolution == 0.1
+    assert not (tmp_path / "out" / "map").exists()  # map.yaml is the world; a second copy of it is not made
+    with pytest.raises(RunError, match="holds files already"):
+        slam(recorded, robot_of(recorded), "graph", progress=False, out=tmp_path / "out")
+
+
+def test_a_long_log_has_fewer_moments_and_holds_the_estimate_between_two_entries(tmp_path: Path) -> None:
+    robot = building.robot(name="rover", pose=am.Pose(x=1.0, y=1.0), sensors=building.all_sensors())
+    runner = am.EstimatorRunner(robot, am.estimators.DeadReckoning(encoder="encoder"))
+    counts = np.full(2, 1000.0)
+    with SlamReplay(tmp_path / "out", "long.log", 4000.0) as replay:
+        for time in (0.0, 0.05, 900.0, 4000.0):
+            replay.write_until(time)
+            runner.update(time + 1e9, {"encoder": counts * time} if time != 900.0 else {})
+            replay.keep(runner.frame())
+        replay.write_until(4001.0)
+    table = read_columns(tmp_path / "out" / "poses.csv", "")
+    assert len(table["time"]) == pytest.approx(20_000, abs=10)
+    assert np.diff(table["time"]) == pytest.approx(0.2)
+    assert len(set(table["estimated_x"].tolist())) == 2  # the end's differs from all before
+    arrived = read_columns(tmp_path / "out" / "sensors" / "encoder.csv", "")["time"]
+    assert arrived.tolist() == pytest.approx([0.0, 4000.0], abs=0.2)  # 0 s and 0.05 s are one moment
+
+
+def test_of_a_log_without_scans_no_folder_stays(recorded: Path, tmp_path: Path) -> None:
+    blind = tmp_path / "blind.log"
+    blind.write_text("ODOM 0 0 0 0 0 0 1.0 host 0\nODOM 0.1 0 0 0 0 0 2.0 host 1\n")
+    with pytest.raises(AnalysisError, match="no scan"):
+        slam(blind, progress=False, out=tmp_path / "out")
+    assert not (tmp_path / "out").exists()
 
 
 def robot_of(folder: Path) -> am.Robot:

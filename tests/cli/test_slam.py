@@ -44,15 +44,29 @@ def test_a_log_becomes_a_folder_with_path_map_graph_and_report(amorsim: Command,
     assert "scans: 120 of 180 beams, from 0 to 11." in result.out
     assert "estimator: graph_slam of pioneer2dx-lms200" in result.out
     names = {path.name for path in (tmp_path / "lab").iterdir()}
-    assert names == {
+    assert {
         "path.tum", "online.tum", "odometry.tum", "map.yaml", "map.pgm", "graph.g2o", "report.html",
-    }  # fmt: skip
+    } < names  # fmt: skip
+    assert "amorsim replay lab" in result.out
     page = (tmp_path / "lab" / "report.html").read_text()
     assert page.count("data:image/png") >= 2
     assert am.load_map(tmp_path / "lab" / "map.yaml").shape[0] > 20
     again = amorsim("slam", log, "--out", "lab")
     assert again.status == 2
     assert "holds files already" in again.err
+
+
+def test_a_folder_without_truth_is_played_and_refused_where_truth_is_needed(
+    amorsim: Command, log: Path, tmp_path: Path
+) -> None:
+    assert amorsim("slam", log, "--out", "lab").status == 0
+    film = amorsim("replay", "lab", "--gif", "lab.gif", "--gif-size", "200")
+    assert film.status == 0, film.err
+    assert (tmp_path / "lab.gif").stat().st_size > 1000
+    for words in (["reproduce", "lab"], ["plot", "lab"], ["report", "lab"], ["slam", "lab"]):
+        result = amorsim(*words)
+        assert result.status == 2, words
+        assert "was made of the log lab.log by amorsim slam, so it has no true poses" in result.err
 
 
 def test_errors_in_known_relations_are_printed(amorsim: Command, log: Path, tmp_path: Path) -> None:

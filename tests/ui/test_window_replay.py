@@ -8,10 +8,13 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import attrs
 import numpy as np
 import pytest
 
+import amorsim as am
 from amorsim.analysis.run_files import RunFiles
+from tests import building
 from tests.ui.recorded_runs import folder as folder  # a fixture
 from tests.ui.windows import Server, Window, axe_violations, expect
 
@@ -62,6 +65,35 @@ def test_it_plays_and_what_is_drawn_is_what_was_recorded(page: Window, folder: P
     page.until("newest.tick === 3")
     page.page.keyboard.press("Shift+R")
     page.until("newest.tick === 0")
+
+
+def test_what_was_made_of_a_log_is_shown_without_truth(
+    browser: Any, open_window: Callable[[Server], Window], tmp_path: Path
+) -> None:
+    robot = am.load_robot("pioneer2dx-lms200", pose=am.Pose(x=1.5, y=1.5))
+    robot = attrs.evolve(robot, controller=am.controllers.Square(side=1.5))
+    am.run(building.scenario(robot), tmp_path / "monday", duration=8.0, progress=False)
+    am.analysis.slam(tmp_path / "monday", robot, progress=False, out=tmp_path / "lab")
+    server = Server(tmp_path / "lab", words=["replay", "lab"])
+    try:
+        page = open_window(server)
+        page.do(do="scrub", tick=60)
+        page.until("newest.tick === 60")
+        assert page.see("stage.estimatedTrail.count") > 50
+        assert page.see("newest.truePoses.every(Number.isNaN)")
+        assert page.see("newest.estimatedPoses[0]") > 1.5
+        expect(page.page.locator("#robot-title")).to_contain_text("Map")
+        expect(page.page.locator(".lacks")).to_contain_text("no log has that")
+        expect(page.page.locator(".facts")).to_contain_text("monday")
+        x = page.see("stage.camera.x")
+        page.page.keyboard.press("f")  # follows what is known
+        page.until(f"stage.options.follow && Number.isFinite(stage.camera.x) && stage.camera.x !== {x}")
+        with page.page.expect_download() as saved:
+            page.page.get_by_role("button", name="page", exact=True).click()
+        saved.value.save_as(tmp_path / "lab.html")
+        assert (tmp_path / "lab.html").stat().st_size > 100_000
+    finally:
+        server.close()
 
 
 def test_it_ends_and_begins_again(page: Window) -> None:

@@ -110,6 +110,9 @@ class Copies:
         path = file.path.absolute()
         if str(path) in self._names or not beside:
             return self.of(str(path))
+        if all(each.resolve().parent == self._folder.resolve() for each in (path, *beside)):  # all are there already
+            self._names[str(path)] = path.name
+            return path.name
         # The part of the disk that all of them lie in, as a folder of the map's name.
         root = Path(os.path.commonpath([path.parent, *(each.parent for each in beside)]))
         folder = self._folder / self._free_name(Path(path.stem))

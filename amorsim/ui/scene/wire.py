@@ -166,6 +166,7 @@ class Recorded(TypedDict):
 
     replica: int
     replicas: list[int]
+    log: str  # the name of the log that it was made of, without anything true; empty for a simulation
     facts: list[list[str]]  # names and values
     lacks: list[str]  # sentences
 

@@ -220,7 +220,7 @@ class History(TypedDict):
     ok: bool
     epoch: int
     ticks: list[int]
-    true: list[list[float]]  # x, y, heading
+    true: list[list[float | None]]  # x, y, heading; None where it is not known, as in a log
     estimated: list[list[float]]
     past: Past
 

@@ -9,6 +9,9 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
+
 from amorsim.core.errors import AmorsimError, did_you_mean
 from amorsim.core.unknown_names import no_such
 from amorsim.ui.scene.wire import Scene
@@ -154,7 +157,9 @@ class Watching(abc.ABC):
     def path_of(track: Track) -> Answer:
         """The past of a robot, as windows read it."""
         ticks, poses, past = track
-        return {"ticks": ticks, "true": poses[:, :3].tolist(), "estimated": poses[:, 3:].tolist(), "past": past}
+        known: npt.NDArray[np.object_] = poses.astype(object)
+        known[~np.isfinite(poses)] = None  # JSON has no nan
+        return {"ticks": ticks, "true": known[:, :3].tolist(), "estimated": known[:, 3:].tolist(), "past": past}
 
     def _events(self, command: Table) -> Answer:
         after = self._whole(command, "after", 0)

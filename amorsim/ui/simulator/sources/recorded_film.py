@@ -55,7 +55,7 @@ def film_recorded(
         If it is not the folder of a run, has no such replica, or ``run.json``, ``scenario.toml`` or ``poses.csv``
         cannot be read.
     """
-    about = read_about(folder)
+    about = read_about(folder, needs_truth=False)
     replicas: list[int] = about["replicas"]
     replica = replicas[0] if replica is None else replica
     if replica not in replicas:
@@ -93,18 +93,25 @@ def film_recorded(
         )
         names = [*(body.name for body in bodies), *(f"{name}.{part.name}" for name, part in parts)]
         ticks = range(0, last + 1, reel.every)
-        for tick, poses in zip(ticks, _poses(files, ticks, names, has_parts=bool(parts)), strict=True):
+        which = slice(3, 6) if "log" in about else slice(0, 3)  # estimated where nothing true is known
+        for tick, poses in zip(ticks, _poses(files, ticks, names, which, has_parts=bool(parts)), strict=True):
             reel.add(tick * dt, poses)
     finally:
         files.close()
     reel.save()
 
 
-def _poses(files: RecordedFiles, ticks: Iterable[int], names: Sequence[str], *, has_parts: bool) -> Iterator[Array]:
-    """Where bodies are at some ticks `(B, 3)` each; nan for a body without a pose until then."""
+def _poses(
+    files: RecordedFiles, ticks: Iterable[int], names: Sequence[str], which: slice, *, has_parts: bool
+) -> Iterator[Array]:
+    """Where bodies are at some ticks `(B, 3)` each; nan for a body without a pose until then.
+
+    `which` chooses the robots' true or estimated poses.
+    """
     nothing = np.full(3, np.nan)
     last: dict[str, Array] = {}
     for tick in ticks:
-        found = files.poses(tick) | files.obstacles(tick) | (files.parts(tick) if has_parts else {})
-        last |= {name: pose[:3] for name, pose in found.items() if np.isfinite(pose[:3]).all()}
+        robots = {name: pose[which] for name, pose in files.poses(tick).items()}
+        found = robots | files.obstacles(tick) | (files.parts(tick) if has_parts else {})
+        last |= {name: pose for name, pose in found.items() if np.isfinite(pose).all()}
         yield np.array([last.get(name, nothing) for name in names])

@@ -96,6 +96,7 @@ class RecordedScene:
             "recorded": {
                 "replica": replica,
                 "replicas": about["replicas"],
+                "log": str(about.get("log", "")),
                 "facts": self._facts(partial),
                 "lacks": lacks,
             },
@@ -118,7 +119,7 @@ class RecordedScene:
             ["folder", str(self._folder)],
             ["recorded", f"{last:g} s of {float(about.get('duration', partial.duration)):g} s"],
             ["how it ended", _HOW.get(status, status)],
-            ["seed", str(about["seed"])],
+            ["log", str(about["log"])] if "log" in about else ["seed", str(about["seed"])],
             ["step", f"{about['dt']:g} s"],
             ["amorsim", str(about.get("amorsim", "not known"))],
         ]
@@ -128,6 +129,8 @@ class RecordedScene:
         """The parts that the folder does not hold, in sentences."""
         files, partial = self._files, self._partial
         found = []
+        if "log" in self._about:
+            found.append("Where the robot truly was: no log has that. The map is the one at the end.")
         sensors = {name for robot in partial.robots for name in robot.sensors}
         missing = sorted(name for name in sensors if not files.has(f"sensors/{name}"))
         if sensors and len(missing) == len(sensors):

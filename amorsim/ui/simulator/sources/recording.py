@@ -65,7 +65,7 @@ class Recording(Source):
     def __init__(self, folder: Path, *, epoch: int = 0) -> None:
         super().__init__(epoch)
         self._folder = folder
-        self._about = read_about(folder)
+        self._about = read_about(folder, needs_truth=False)
         self.replicas: list[int] = self._about["replicas"]
         self._dt = float(self._about["dt"])
         self._tick = 0
@@ -338,7 +338,7 @@ class Recording(Source):
         nothing = np.full(6, np.nan)
         ticks = _spread(self._newest, min(most, MOST_OF_PATH))
         poses = np.array([self._files.poses(tick, robot).get(robot, nothing) for tick in ticks])
-        known = np.isfinite(poses).all(axis=1)
+        known = np.isfinite(poses[:, 3:] if "log" in self._about else poses).all(axis=1)
         kind = self._kind(robot)
         places = Places((one["size"], len(one["columns"])) for one in kind["sensors"])
         estimator = next(iter(kind["estimators"]), "none")

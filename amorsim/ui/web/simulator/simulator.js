@@ -124,6 +124,7 @@ export class Simulator {
     this.driving.isOff = true;
     this.timebar.setRecorded(this.replay.marks);
     this.replay.show(this.scene);
+    this.nameWorld();
   }
 
   async image(name) {
@@ -239,6 +240,7 @@ export class Simulator {
     const isStill = this.isStill();
     const said = await this.connection.ask({ do: "history", robot: this.robot.name, max_points: 3000 });
     if (!said.ok || !isStill()) return;
+    said.true = said.true.map((pose) => pose.map((value) => value ?? NaN)); // of a log nothing true is known
     this.stage.trueTrail.load(said.ticks, said.true);
     this.stage.estimatedTrail.load(said.ticks, said.estimated);
     this.record.load(said, this.scene.dt);
@@ -406,8 +408,15 @@ export class Simulator {
     const { knownTools } = this.parts; // they go where what they switch is seen
     (value ? this.parts.robotHead : this.parts.controlHead).append(knownTools);
     (value ? this.stage.robot : this.stage.control).element.append(this.fleet.element);
-    say(this.parts.robotName, value ? "Robot and Control" : "Robot");
-    say(this.parts.robotNote, value ? "what is true, and over it what it knows" : "what is true");
+    this.nameWorld();
+  }
+
+  /** The head of the left pane; of a log nothing true is known. */
+  nameWorld() {
+    const [name, note] = this.scene?.recorded?.log ? ["Map", "at the end of the log"] : ["Robot", "what is true"];
+    const isBoth = this.stage.options.overlay;
+    say(this.parts.robotName, isBoth ? `${name} and Control` : name);
+    say(this.parts.robotNote, isBoth ? `${note}, and over it what it knows` : note);
   }
 
   showControls() {

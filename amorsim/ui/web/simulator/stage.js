@@ -143,8 +143,9 @@ export class Stage {
       this.estimatedTrail.add(frame.tick, frame.estimatedPoses[3 * i], frame.estimatedPoses[3 * i + 1]);
     }
     if (this.options.follow) {
-      this.camera.x = frame.truePoses[3 * i];
-      this.camera.y = frame.truePoses[3 * i + 1];
+      const poses = Number.isFinite(frame.truePoses[3 * i]) ? frame.truePoses : frame.estimatedPoses; // of a log nothing true is known
+      this.camera.x = poses[3 * i];
+      this.camera.y = poses[3 * i + 1];
     }
     this.redraw(true);
   }

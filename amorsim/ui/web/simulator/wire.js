@@ -210,6 +210,7 @@ export const BLOCKS = [
  * @typedef {object} Recorded
  * @property {number} replica
  * @property {number[]} replicas
+ * @property {string} log
  * @property {string[][]} facts
  * @property {string[]} lacks
  */
@@ -338,7 +339,7 @@ export const BLOCKS = [
  * @property {boolean} ok
  * @property {number} epoch
  * @property {number[]} ticks
- * @property {number[][]} true
+ * @property {((number | null)[])[]} true
  * @property {number[][]} estimated
  * @property {Past} past
  */
