@@ -202,7 +202,9 @@ class KalmanFilter(Estimator):
         turn = np.ascontiguousarray(moved.turn)
         self._correct(belief, robot, readings, turn, counted, moved.covariance, elapsed, state)
         self._keep_valid(state, *kept)
-        return Estimate(state["mean"][:, :3].copy(), state["covariance"][:, :3, :3].copy())
+        found = Estimate(np.empty((robot.rows, 3)), np.empty((robot.rows, 3, 3)))
+        ekf.report(belief, bool(self.landmarks), found.pose, found.covariance)
+        return found
 
     def _joints(
         self,

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+import amorsim as am
 from amorsim.contracts import Context, Draws, Measurement, Mount, RobotModel, SensorModel
 from amorsim.core.rows import stack
 from amorsim.core.shapes import Shape
@@ -102,3 +103,21 @@ def seen(pose, marks, mount=(0.0, 0.0, 0.0)):
         bearing = math.remainder(math.atan2(mark_y - y, mark_x - x) - pose[2] - mount[2], 2.0 * math.pi)
         found += [math.hypot(mark_x - x, mark_y - y), bearing, float(number)]
     return found + [np.inf, np.inf, -1.0] * (4 - len(marks))
+
+
+ASIDE = np.array([[0.0, -1.0], [1.0, 0.0]])
+
+
+def corrected_by_arc(mean, step, covariance):
+    """The mean after a correction by (x, y, turn) along an arc, and the covariance of x, y and heading about it.
+
+    In complex numbers an arc is the integral of its direction; a shift u with a turn t leads about t / 2 times u aside.
+    """
+    x, y, turn = step[:3]
+    way = (x + 1j * y) * (np.exp(1j * turn) - 1.0) / (1j * turn) if turn else x + 1j * y
+    carried = np.eye(3)
+    carried[:2, 2] = ASIDE @ [way.real, way.imag]
+    covariance = carried @ covariance[:3, :3] @ carried.T
+    both = covariance[:2, 2]
+    covariance[:2, :2] += ASIDE @ (covariance[2, 2] * covariance[:2, :2] + 2.0 * np.outer(both, both)) @ ASIDE.T / 4.0
+    return np.array([mean[0] + way.real, mean[1] + way.imag, am.wrap_angle(mean[2] + turn)]), covariance

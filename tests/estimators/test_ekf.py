@@ -10,7 +10,7 @@ from amorsim.contracts import Mount
 from amorsim.drives import Differential
 from amorsim.estimators import DeadReckoning, Ekf
 from amorsim.testing import check_component
-from tests.estimators.ekf_rig import DT, RADIUS, TRACK, Filter, seen
+from tests.estimators.ekf_rig import ASIDE, DT, RADIUS, TRACK, Filter, corrected_by_arc, seen
 
 WHEELS = 1e-4
 MARKS = ((1, 5.0, 0.0), (2, 0.0, 4.0), (7, -3.0, -2.0))
@@ -164,7 +164,8 @@ def test_a_sighting_corrects_as_the_update_in_one_piece():
     slopes = np.stack([(expected(e * nudge) - expected(-e * nudge)) / (2.0 * nudge) for e in np.eye(3)], axis=1)
     residual = np.array(reading[:2]) - expected(np.zeros(3))
     covariance = np.diag([0.01, 0.01, 0.0025])
-    mean, covariance, spread = exact_update(np.zeros(3), covariance, slopes, residual, np.diag([0.0025, 0.0004]))
+    step, covariance, spread = exact_update(np.zeros(3), covariance, slopes, residual, np.diag([0.0025, 0.0004]))
+    mean, covariance = corrected_by_arc(np.zeros(3), step, covariance)
     found = robot.step(fiducial=reading)
     np.testing.assert_allclose(found.pose[0], mean, atol=1e-8)
     np.testing.assert_allclose(found.covariance[0], covariance, atol=1e-9)
@@ -174,6 +175,29 @@ def test_a_sighting_corrects_as_the_update_in_one_piece():
     assert beliefs["landmarks_match"][0, 0] == 1.0
     assert beliefs["landmarks_used"][0, 0] == 1.0
     assert np.isnan(beliefs["landmarks_nis"][0, 1:]).all()
+
+
+def test_sightings_of_one_landmark_tell_nothing_of_a_turn_around_it():
+    """What is known of that turn, v' P^-1 v, stays; with corrections that go straight it became 4.6 times as much."""
+    x, y = MARKS[0][1:]
+    robot = Filter(by_landmarks(wheel_variance=0.0, start_std=0.5, start_heading_std=0.35, gate=1.0), marks=MARKS[:1])
+    rng = np.random.default_rng(5)
+    pose, turned = np.array([0.4, -0.5, 0.3]), np.zeros(2)
+    known = []
+    for _ in range(60):
+        reading = seen(pose, MARKS[:1])
+        reading[:2] = reading[:2] + rng.normal(0.0, [0.05, 0.02])
+        robot.step(turned, fiducial=reading)
+        mean, covariance = robot.state["mean"][0], robot.state["covariance"][0, :3, :3]
+        turn = np.append(ASIDE @ (mean[:2] - [x, y]), 1.0)
+        known.append(turn @ np.linalg.solve(covariance, turn))
+        turned = rng.normal(0.3, 0.3, 2)
+        ways = turned * RADIUS
+        moved = am.exponential(np.array([[ways.mean(), 0.0, (ways[1] - ways[0]) / TRACK]]), np.ones((1, 1)))
+        pose = am.compose(pose[None], moved)[0]
+    start = np.append(ASIDE @ [-x, -y], 1.0)
+    first = start @ np.linalg.solve(np.diag([0.25, 0.25, 0.35**2]), start)
+    np.testing.assert_allclose(known, first, rtol=1e-6)
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])

@@ -14,9 +14,11 @@ import pytest
 from scipy.stats import chi2
 
 import amorsim as am
+from amorsim.scenario.initial_belief import InitialBelief
 from amorsim.sensors import Compass, Gps, Gyro
 
 TIMES = (20.0, 50.0, 90.0)  # [s]
+FAR_OFF = (0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
 WHEELS = 1e-5  # [m]
 GPS, COMPASS, GYRO, BIAS, WALK = 0.2, 0.05, 0.02, 0.03, 0.001
 LANDMARKS = {"landmarks": "fiducial", "range_std": 0.05, "bearing_std": math.radians(1.0)}
@@ -90,7 +92,12 @@ def with_noise(estimator, factor):
 
 def consistency(estimator, replicas, times):
     """At each time: the mean NEES, and by sensor the mean NIS, how many there are, and of how many numbers each is."""
-    sim = am.Simulation(scenario(estimator), replicas=replicas)
+    return consistency_of(scenario(estimator), replicas, times)
+
+
+def consistency_of(given, replicas, times):
+    """The same, of the first estimator of a scenario."""
+    sim = am.Simulation(given, replicas=replicas)
     found = []
     for time in times:
         sim.run(time - sim.time)
@@ -144,6 +151,22 @@ def test_errors_are_as_large_as_it_says(fusion):
 @pytest.mark.parametrize("fusion", FUSIONS)
 def test_errors_are_as_large_as_it_says_at_all_times(fusion, replicas):
     check_consistency(FUSIONS[fusion], replicas, TIMES)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    "estimator",
+    [FUSIONS["landmarks"], am.estimators.Ukf(wheel_variance=WHEELS, **LANDMARKS)],
+    ids=["ekf", "ukf"],
+)
+def test_a_start_that_is_far_off_does_not_make_it_too_sure(estimator):
+    """Half a metre and 20° off, of which it knows; for five seconds it sees one landmark or two."""
+    found = scenario(estimator)
+    belief = InitialBelief(kind="gaussian", std=0.5, heading_std=math.radians(20.0))
+    found = attrs.evolve(found, robots=[attrs.evolve(found.robots[0], initial_belief=belief)])
+    for time, (nees, _) in zip(FAR_OFF, consistency_of(found, 400, FAR_OFF), strict=True):
+        # A covariance has no room for a banana, so that the band is not for these.
+        assert 2.0 < nees < 4.0, time
 
 
 # A gyro's innovations show it in a thousand replicas only.

@@ -12,7 +12,7 @@ import amorsim as am
 from amorsim.contracts import Mount
 from amorsim.estimators import Ekf, Ukf
 from amorsim.testing import check_component
-from tests.estimators.ekf_rig import DT, RADIUS, Filter, seen
+from tests.estimators.ekf_rig import DT, RADIUS, Filter, corrected_by_arc, seen
 from tests.estimators.test_ekf_consistency import FUSIONS, TIMES, band, check_consistency, consistency, with_noise
 
 WHEELS = 1e-4
@@ -74,22 +74,23 @@ def test_an_update_is_that_of_its_points():
     found = robot.step(fiducial=reading)
     mean, covariance = np.array([0.0, 0.0, 2.9, 0.0]), np.diag([0.16, 0.16, 0.04, 0.0])
     columns = np.diag([0.4, 0.4, 0.2, 0.0]) * 2.0
-    points = np.concatenate((mean[None], mean + columns, mean - columns))
-    expected = np.array([seen(point, MARKS[:1], mount)[:2] for point in points])
+    points = np.concatenate((np.zeros((1, 4)), columns, -columns))
+    arcs = [corrected_by_arc(mean, point, np.zeros((3, 3)))[0] for point in points]
+    expected = np.array([seen(at, MARKS[:1], mount)[:2] for at in arcs])
     offsets = expected - expected[0]
     offsets[:, 1] = am.wrap_angle(offsets[:, 1])
     weights, middle = np.full(8, 0.125), 2.0
     offset = weights @ offsets[1:]
     away = offsets[1:] - offset
     spread = away.T @ np.diag(weights) @ away + middle * np.outer(offset, offset) + np.diag([0.05**2, 0.02**2])
-    cross = (points[1:] - mean).T @ np.diag(weights) @ away
+    cross = points[1:].T @ np.diag(weights) @ away
     gain = cross @ np.linalg.inv(spread)
     residual = np.array(reading[:2]) - expected[0] - offset
     residual[1] = am.wrap_angle(residual[1])
-    wanted = mean + gain @ residual
+    wanted, covariance = corrected_by_arc(mean, gain @ residual, covariance - gain @ spread @ gain.T)
     np.testing.assert_allclose(found.pose[0, :2], wanted[:2], atol=1e-12)
     assert abs(am.wrap_angle(found.pose[0, 2] - wanted[2])) < 1e-12
-    np.testing.assert_allclose(found.covariance[0], (covariance - gain @ spread @ gain.T)[:3, :3], atol=1e-12)
+    np.testing.assert_allclose(found.covariance[0], covariance, atol=1e-12)
 
 
 def test_a_way_with_a_doubtful_heading_is_shorter_and_wider_than_its_slopes_say():

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.filters.points import PLACE, Transform, Work, expect_by_points, predict_by_points
-from amorsim.kernels.filters.updates import NIS, USED, Gaussians, squared_of, take, take_pair
+from amorsim.kernels.filters.updates import NIS, USED, Gaussians, bend, squared_of, swing, take, take_pair
 from amorsim.kernels.kinematics.poses import wrap
 
 __all__ = ["fuse_headings", "fuse_places", "fuse_turns", "predict"]
@@ -37,27 +37,33 @@ def predict(belief: Gaussians, after: Floats, noise: Floats, growth: Floats, tra
         if transform.by_points:
             predict_by_points(mean, p, after[i], noise[i], growth[i, 0], transform, at)
             continue
-        # An error e of the heading before moves the end by e * (swing_x, swing_y).
-        swing_x = mean[1] - after[i, 1]
-        swing_y = after[i, 0] - mean[0]
-        xh = p[0, 2]
-        yh = p[1, 2]
-        hh = p[2, 2]
-        hb = p[2, 3]
-        p[0, 0] += swing_x * (2.0 * xh + swing_x * hh) + noise[i, 0, 0]
-        p[0, 1] += swing_y * xh + swing_x * yh + swing_x * swing_y * hh + noise[i, 0, 1]
-        p[1, 1] += swing_y * (2.0 * yh + swing_y * hh) + noise[i, 1, 1]
-        p[0, 2] += swing_x * hh + noise[i, 0, 2]
-        p[1, 2] += swing_y * hh + noise[i, 1, 2]
-        p[2, 2] += noise[i, 2, 2]
-        p[0, 3] += swing_x * hb
-        p[1, 3] += swing_y * hb
-        p[3, 3] += growth[i, 0]
-        for j in range(4):
-            for k in range(j):
-                p[j, k] = p[k, j]
+        swing(p, after[i, 0] - mean[0], after[i, 1] - mean[1])
         for j in range(3):
             mean[j] = after[i, j]
+            for k in range(3):
+                p[j, k] += noise[i, j, k]
+        p[3, 3] += growth[i, 0]
+
+
+@kernel
+def report(belief: Gaussians, by_arcs: bool, poses: Floats, covariances: Floats) -> None:
+    """Write the poses (N, 3) and the covariances (N, 3, 3) of x, y and heading.
+
+    After updates `by_arcs` what arcs lead aside is added: a doubtful heading bends the region of places.
+    """
+    bent = np.zeros(3)
+    for i in range(poses.shape[0]):
+        p = belief.covariance[i]
+        for j in range(3):
+            poses[i, j] = belief.mean[i, j]
+            for k in range(3):
+                covariances[i, j, k] = p[j, k]
+        if by_arcs:
+            bend(p, bent)
+        covariances[i, 0, 0] += bent[0]
+        covariances[i, 0, 1] += bent[1]
+        covariances[i, 1, 0] += bent[1]
+        covariances[i, 1, 1] += bent[2]
 
 
 @kernel
@@ -102,7 +108,7 @@ def fuse_places(
         record[USED] = 0.0
         if squared <= gate:
             record[USED] = 1.0
-            take_pair(mean, p, at, variance[i, 0], shared, variance[i, 0])
+            take_pair(mean, p, at, variance[i, 0], shared, variance[i, 0], False)
 
 
 @part

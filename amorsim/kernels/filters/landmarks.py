@@ -190,4 +190,4 @@ def fuse_landmarks(
             if squared <= gate:
                 record[USED] = 1.0
                 search.is_taken[best] = True
-                take_pair(mean, p, at, noise[i, 0], 0.0, noise[i, 1])
+                take_pair(mean, p, at, noise[i, 0], 0.0, noise[i, 1], True)

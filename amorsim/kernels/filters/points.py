@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.filters.gaussians import root
-from amorsim.kernels.kinematics.poses import wrap
+from amorsim.kernels.kinematics.poses import arc, wrap
 
 __all__ = ["LANDMARK", "PLACE", "Transform", "Work", "expect_by_points", "expected", "predict_by_points", "work"]
 
@@ -90,15 +90,11 @@ def expect_by_points(
     for i in range(4):
         for side in range(2):
             reach = transform.reach if side == 0 else -transform.reach
-            one, other = expected(
-                kind,
-                mean[0] + reach * at.root[0, i],
-                mean[1] + reach * at.root[1, i],
-                mean[2] + reach * at.root[2, i],
-                mount,
-                u,
-                v,
-            )
+            if kind == LANDMARK:  # along arcs, as an update by it moves the mean
+                x, y, turn = arc(at.root[0, i], at.root[1, i], at.root[2, i], reach)
+            else:
+                x, y, turn = reach * at.root[0, i], reach * at.root[1, i], reach * at.root[2, i]
+            one, other = expected(kind, mean[0] + x, mean[1] + y, mean[2] + turn, mount, u, v)
             # Differences from what the mean expects, so that bearings are averaged on one side of the circle.
             k = 2 * i + side
             at.ends[k, 0] = one - middle_0

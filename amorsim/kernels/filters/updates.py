@@ -1,5 +1,12 @@
 """The state of a row of a Kalman filter, and updates of it by one number or by two.
 
+A landmark tells nothing of a turn of the robot around it. A filter that takes slopes at a new mean each time loses
+that: the doubt about such a turn shrinks, and the filter becomes too sure. An update `by_arc` moves the mean by a
+shift with a turn, along an arc (the exponential map of SE(2)), and refers the covariance to where that leads. Then
+the turn around the landmark stays as doubtful as it was. Sources: A. Barrau, S. Bonnabel, "The invariant extended
+Kalman filter as a stable observer", IEEE Trans. Automatic Control 62 (2017); A. W. Long, K. C. Wolfe, M. J. Mashner,
+G. S. Chirikjian, "The banana distribution is Gaussian", Robotics: Science and Systems VIII (2012).
+
 An update of two numbers takes them one after the other, which is exact once their noise is independent: a correlated
 pair is decorrelated first. So no matrix is inverted, and a row depends on nothing but itself. Sequential updates:
 Y. Bar-Shalom, X. R. Li, T. Kirubarajan, "Estimation with Applications to Tracking and Navigation" (2001), 5.2 and 8.3.
@@ -14,9 +21,22 @@ import numpy.typing as npt
 
 from amorsim.kernels.compile import part
 from amorsim.kernels.filters.points import Work
-from amorsim.kernels.kinematics.poses import wrap
+from amorsim.kernels.kinematics.poses import arc, wrap
 
-__all__ = ["MATCH", "NIS", "RECORD", "USED", "Gaussians", "along", "spread_of", "squared_of", "take", "take_pair"]
+__all__ = [
+    "MATCH",
+    "NIS",
+    "RECORD",
+    "USED",
+    "Gaussians",
+    "along",
+    "bend",
+    "spread_of",
+    "squared_of",
+    "swing",
+    "take",
+    "take_pair",
+]
 
 Floats = npt.NDArray[np.float64]
 
@@ -48,15 +68,61 @@ def along(a: Floats, b: Floats) -> float:
 
 
 @part
-def take(mean: Floats, p: Floats, spread: Floats, residual: float, variance: float) -> None:
-    """Update by one number, with the `variance` of its residual and its covariance with the state (`spread`)."""
+def swing(p: Floats, x: float, y: float) -> None:
+    """Refer a covariance to a mean that lies (x, y) further on, which a turn of all the plane has moved more."""
+    xh = p[0, 2]
+    yh = p[1, 2]
+    hh = p[2, 2]
+    hb = p[2, 3]
+    p[0, 0] -= y * (2.0 * xh - y * hh)
+    p[0, 1] += x * xh - y * yh - x * y * hh
+    p[1, 1] += x * (2.0 * yh + x * hh)
+    p[0, 2] -= y * hh
+    p[1, 2] += x * hh
+    p[0, 3] -= y * hb
+    p[1, 3] += x * hb
+    for j in range(4):
+        for k in range(j):
+            p[j, k] = p[k, j]
+
+
+@part
+def bend(p: Floats, out: Floats) -> None:
+    """The second moments xx, xy, yy of how far arcs lead aside, into `out` (3,): t u / 2 by a shift u with a turn t."""
+    out[0] = 0.25 * (p[2, 2] * p[1, 1] + 2.0 * p[1, 2] * p[1, 2])
+    out[1] = -0.25 * (p[2, 2] * p[0, 1] + 2.0 * p[0, 2] * p[1, 2])
+    out[2] = 0.25 * (p[2, 2] * p[0, 0] + 2.0 * p[0, 2] * p[0, 2])
+
+
+@part
+def _reduce(p: Floats, spread: Floats, variance: float) -> None:
+    """Take off what a number of this `variance` tells, which has the covariance `spread` with the state."""
     for j in range(4):
         gain = spread[j] / variance
-        mean[j] += gain * residual
         for k in range(j, 4):
             p[j, k] -= gain * spread[k]
             p[k, j] = p[j, k]
-    mean[2] = wrap(mean[2])
+
+
+@part
+def _move(mean: Floats, p: Floats, x: float, y: float, turn: float, bias: float, by_arc: bool) -> None:
+    """Correct the mean by a shift with a turn, one after the other or along an arc."""
+    if by_arc:
+        x, y, _ = arc(x, y, turn, 1.0)
+        swing(p, x, y)
+    mean[0] += x
+    mean[1] += y
+    mean[2] = wrap(mean[2] + turn)
+    mean[3] += bias
+
+
+@part
+def take(mean: Floats, p: Floats, spread: Floats, residual: float, variance: float) -> None:
+    """Update by one number, with the `variance` of its residual and its covariance with the state (`spread`)."""
+    gain = residual / variance
+    x, y, turn, bias = gain * spread[0], gain * spread[1], gain * spread[2], gain * spread[3]
+    _reduce(p, spread, variance)
+    _move(mean, p, x, y, turn, bias, False)
 
 
 @part
@@ -80,8 +146,8 @@ def squared_of(p: Floats, at: Work, r11: float, r12: float, r22: float, record: 
 
 
 @part
-def take_pair(mean: Floats, p: Floats, at: Work, r11: float, r12: float, r22: float) -> None:
-    """Update by two numbers, one after the other, both linearised at the mean before."""
+def take_pair(mean: Floats, p: Floats, at: Work, r11: float, r12: float, r22: float, by_arc: bool) -> None:
+    """Update by two numbers, one after the other, both linearised at the mean before; along an arc or not."""
     r11 += at.extra[0]
     r12 += at.extra[1]
     r22 += at.extra[2]
@@ -90,8 +156,14 @@ def take_pair(mean: Floats, p: Floats, at: Work, r11: float, r12: float, r22: fl
     residual = at.residual[1] - share * at.residual[0]
     for j in range(4):
         at.slopes[1, j] -= share * at.slopes[0, j]
-    variance = along(at.slopes[0], at.spreads[0]) + r11
-    residual -= along(at.slopes[1], at.spreads[0]) * at.residual[0] / variance
-    take(mean, p, at.spreads[0], at.residual[0], variance)
-    spread_of(p, at.slopes[1], at.spreads[1])
-    take(mean, p, at.spreads[1], residual, along(at.slopes[1], at.spreads[1]) + r22 - share * r12)
+    one, two = at.spreads
+    variance = along(at.slopes[0], one) + r11
+    gain = at.residual[0] / variance
+    residual -= along(at.slopes[1], one) * gain
+    x, y, turn, bias = gain * one[0], gain * one[1], gain * one[2], gain * one[3]
+    _reduce(p, one, variance)
+    spread_of(p, at.slopes[1], two)
+    variance = along(at.slopes[1], two) + r22 - share * r12
+    gain = residual / variance
+    _reduce(p, two, variance)
+    _move(mean, p, x + gain * two[0], y + gain * two[1], turn + gain * two[2], bias + gain * two[3], by_arc)
