@@ -14,7 +14,7 @@ from amorsim.contracts.robot import Component, RobotModel
 from amorsim.contracts.values import Array, Beliefs, Estimate, Measurement, State
 from amorsim.core.draws import Draws
 
-__all__ = ["ESTIMATES", "Estimator"]
+__all__ = ["ESTIMATES", "Estimator", "update_bound"]
 
 ESTIMATES = "estimators."
 """Begins the keys of estimates among the readings that an estimator gets."""
@@ -89,3 +89,29 @@ class Estimator(Component, abc.ABC):
         Called on the estimator as specified, before stacking; ``amorsim check`` prints it as a table.
         """
         return ()
+
+
+def update_bound(
+    estimator: Estimator,
+    robot: RobotModel,
+    readings: Mapping[str, Measurement],
+    command: Array,
+    elapsed: Array,
+    state: State,
+    draws: Draws,
+) -> Estimate:
+    """What an estimator that is written as `Estimator.bind` returns from `Estimator.update`."""
+    out = Estimate(np.empty((robot.rows, 3)), np.empty((robot.rows, 3, 3)))
+    at = EstimatorBinding(
+        robot=robot,
+        readings=readings,
+        copied_readings=lambda: readings,
+        command=command,
+        elapsed=lambda: elapsed,
+        state=state,
+        draws=draws,
+        out=out,
+        answer=lambda _: None,  # nothing is returned
+    )
+    estimator.bind(at)()
+    return out

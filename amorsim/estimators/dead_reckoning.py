@@ -21,9 +21,10 @@ from amorsim.contracts import (
     State,
     parameter,
 )
+from amorsim.contracts.estimator import update_bound
 from amorsim.core.workers import in_turn
 from amorsim.estimators.initial_beliefs import covariance_at_start, refuse_lost
-from amorsim.estimators.wheels import angles_of, bind_angles, bind_step, check_encoder, reckon
+from amorsim.estimators.wheels import bind_angles, bind_step, check_encoder
 from amorsim.kernels.kinematics import odometry
 
 __all__ = ["DeadReckoning"]
@@ -96,10 +97,7 @@ class DeadReckoning(Estimator):
         draws: Draws,
     ) -> Estimate:
         """The estimate after this step's reading; an old reading shows the same joints and changes nothing."""
-        before, after = angles_of(robot, self.encoder, readings[self.encoder].measured, state["joints"])
-        found = reckon(robot.drive, state["pose"], state["covariance"], before, after, self.wheel_variance)
-        state["pose"], state["covariance"], state["joints"] = found.pose, found.covariance, after
-        return Estimate(found.pose, found.covariance)
+        return update_bound(self, robot, readings, command, elapsed, state, draws)
 
     def is_current(self, readings: Mapping[str, Measurement], state: State) -> npt.NDArray[np.bool_]:
         """Where the last reading of the encoder was not lost, or none has come in yet."""

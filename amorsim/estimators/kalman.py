@@ -9,7 +9,7 @@ import abc
 import functools
 import math
 import statistics
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import attrs
@@ -22,18 +22,22 @@ from amorsim.contracts import (
     Draws,
     Estimate,
     Estimator,
+    EstimatorBinding,
     Measurement,
     RobotModel,
     State,
     parameter,
 )
+from amorsim.contracts.estimator import update_bound
 from amorsim.core.errors import ComponentError
-from amorsim.estimators.ages import check_fresh
+from amorsim.core.workers import in_turn
+from amorsim.estimators.ages import bind_fresh
 from amorsim.estimators.initial_beliefs import covariance_at_start, refuse_lost
 from amorsim.estimators.kalman_sources import SOURCES, check_sources, noise_in_words
-from amorsim.estimators.wheels import angles_of, check_encoder, is_current, is_taken, reckon
+from amorsim.estimators.wheels import Counted, bind_readings, bind_step, check_encoder
 from amorsim.kernels.filters import compatible, ekf, landmarks, points
 from amorsim.kernels.filters.updates import MATCH, NIS, RECORD, USED, Gaussians
+from amorsim.kernels.kinematics import odometry
 
 __all__ = ["KalmanFilter"]
 
@@ -187,109 +191,110 @@ class KalmanFilter(Estimator):
         draws: Draws,
     ) -> Estimate:
         """The estimate after predicting this step's motion and correcting by all readings that arrived in it."""
+        return update_bound(self, robot, readings, command, elapsed, state, draws)
+
+    def bind(self, at: EstimatorBinding) -> Callable[[], None]:
+        """Predict and correct on the engine's own arrays."""
+        robot, state = at.robot, at.state
         belief = Gaussians(state["mean"], state["covariance"])
-        before, after = self._joints(robot, readings, command, elapsed, state, draws)
-        counted = self._counted(robot, readings, before, after, state)
-        none = np.zeros((robot.rows, 3, 3))
-        pose = np.ascontiguousarray(state["mean"][:, :3])
-        moved = reckon(robot.drive, pose, none, before, after, self.wheel_variance)
-        if self.prediction == "command":
-            after = robot.drive.follow(after, robot.drive.displacement(before, after, np.ones((robot.rows, 1))))
-        state["joints"] = after
-        kept = state["mean"].copy(), state["covariance"].copy()
-        growth = np.ascontiguousarray(self.gyro_bias_walk**2 * elapsed)
-        ekf.predict(belief, moved.pose, moved.covariance, growth, self.transform(), points.work())
-        turn = np.ascontiguousarray(moved.turn)
-        self._correct(belief, robot, readings, turn, counted, moved.covariance, elapsed, state)
-        self._keep_valid(state, *kept)
-        found = Estimate(np.empty((robot.rows, 3)), np.empty((robot.rows, 3, 3)))
-        ekf.report(belief, bool(self.landmarks), found.pose, found.covariance)
-        return found
+        kept = Gaussians(np.empty_like(belief.mean), np.empty_like(belief.covariance))
+        before, after, counted, read, follow = self._bind_joints(at)
+        step, move = bind_step(robot.drive, before, after)
+        none, noise, pose = np.zeros((robot.rows, 3, 3)), np.empty((robot.rows, 3, 3)), np.empty((robot.rows, 3))
+        variance: Any = self.wheel_variance
+        carry_on = functools.partial(odometry.reckon, belief.mean, none, *step, variance, pose, noise)
+        walk = np.array(np.broadcast_to(self.gyro_bias_walk**2, (robot.rows, 1)))
+        growth, transform, room = np.empty((robot.rows, 1)), self.transform(), points.work()
+        predict = functools.partial(ekf.predict, belief, pose, noise, growth, transform, room)
+        by_arcs, stays, failed = bool(self.landmarks), self.on_failure == "end", state["failed"]
 
-    def _joints(
-        self,
-        robot: RobotModel,
-        readings: Mapping[str, Measurement],
-        command: Array,
-        elapsed: Array,
-        state: State,
-        draws: Draws,
-    ) -> tuple[Array, Array]:
-        """The joints before and after the step, as measured or as the nominal drive would have moved them."""
-        if self.prediction == "encoder":
-            check_fresh(self.who, robot, self.encoder, readings[self.encoder], self.age_max)
-            return angles_of(robot, self.encoder, readings[self.encoder].measured, state["joints"])
-        drive, before = robot.drive, state["joints"]
-        if not elapsed.any():  # the start
-            return before, before
-        own = {name.removeprefix("drive "): array for name, array in state.items() if name.startswith("drive ")}
-        wanted = np.ascontiguousarray(command[:, : len(drive.channels)])
-        after, state["rates"] = drive.advance(before, state["rates"], wanted, robot.dt, own, draws)
-        state.update({f"drive {name}": array for name, array in own.items()})
-        return before, after
+        def begin() -> None:
+            np.copyto(kept.mean, belief.mean)
+            np.copyto(kept.covariance, belief.covariance)
+            np.multiply(walk, at.elapsed(), out=growth)
 
-    def _counted(
-        self, robot: RobotModel, readings: Mapping[str, Measurement], before: Array, after: Array, state: State
-    ) -> tuple[Bools, Bools]:
-        """Which rows `(N, 1)` measured places and headings may correct, and which a measured rate of turn.
+        def end() -> None:
+            ekf.keep_valid(belief, kept, _FAR, stays, failed)
+            ekf.report(belief, by_arcs, at.out.pose, at.out.covariance)
 
-        What is measured where the mean is not current is of another pose. A rate of turn must be of the step in which
-        the wheels turned.
+        corrections = self._bind_corrections(at, belief, step.twist[:, 2:], counted, noise, room)
+        return in_turn([read, move, begin, carry_on, *follow, predict, *corrections, end])
+
+    def _bind_joints(
+        self, at: EstimatorBinding
+    ) -> tuple[Array, Array, Counted, Callable[[], None], list[Callable[[], None]]]:
+        """The joints before and after the step, as measured or as the nominal drive would have moved them.
+
+        Also the rows whose wheels count, a function that finds all of these, and those that follow the motion.
         """
-        if "taken" not in state:
-            every = np.ones((robot.rows, 1), dtype=bool)
-            return every, every
-        reading = readings[self.encoder]
-        was_taken, state["taken"] = state["taken"], is_taken(robot, self.encoder, reading, after)
-        goes_on = (before == state["joints"]).all(axis=1, keepdims=True)
-        state["current"] = is_current(robot, self.encoder, reading, after, state["current"])
-        return state["current"], np.asarray(state["taken"] & was_taken & goes_on)
+        robot, state, joints = at.robot, at.state, at.state["joints"]
+        if self.prediction == "encoder":
+            counted = Counted(state["taken"], state["current"], np.empty((robot.rows, 1), dtype=bool))
+            reading = at.readings[self.encoder]
+            check = bind_fresh(self.who, robot, self.encoder, reading, self.age_max)
+            before, after, take = bind_readings(robot, self.encoder, reading, joints, counted)
+            return before, after, counted, in_turn([check, take]), []
+        every = np.ones((robot.rows, 1), dtype=bool)
+        before, after = np.empty_like(joints), np.empty_like(joints)
+        drive, rates = robot.drive, state["rates"]
+        own = {name.removeprefix("drive "): array for name, array in state.items() if name.startswith("drive ")}
 
-    def _keep_valid(self, state: State, mean: Array, covariance: Array) -> None:
-        """Restore rows whose numbers have become invalid to what they were before the update."""
-        now = state["covariance"]
-        # nan compares as false.
-        fine = np.asarray((np.abs(state["mean"]) < _FAR).all(axis=1))
-        fine &= (np.abs(now) < _FAR**2).all(axis=(1, 2))
-        fine &= (np.diagonal(now, axis1=1, axis2=2) >= 0.0).all(axis=1)
-        if self.on_failure == "end":
-            fine &= ~state["failed"]
-        if not fine.all():
-            state["mean"][~fine], state["covariance"][~fine] = mean[~fine], covariance[~fine]
-        state["failed"] = ~fine
+        def advance() -> None:
+            np.copyto(before, joints)
+            np.copyto(after, joints)
+            if at.elapsed().any():  # or else it is the start
+                wanted = np.ascontiguousarray(at.command[:, : len(drive.channels)])
+                after[:], rates[:] = drive.advance(before, rates, wanted, robot.dt, own, at.draws)
+                for name, array in own.items():
+                    np.copyto(state[f"drive {name}"], array)
+
+        def follow() -> None:
+            joints[:] = drive.follow(after, drive.displacement(before, after, np.ones((robot.rows, 1))))
+
+        return before, after, Counted(every, every, every), advance, [follow]
 
     def failed(self, state: State) -> Bools:
         """Rows whose numbers exploded in the last update: a mean or covariance that is not finite or not positive."""
         return state["failed"]
 
-    def _correct(
-        self,
-        belief: Gaussians,
-        robot: RobotModel,
-        readings: Mapping[str, Measurement],
-        turn: Array,
-        counted: tuple[Bools, Bools],
-        noise: Array,
-        elapsed: Array,
-        state: State,
-    ) -> None:
-        """Correct by each sensor; the gyro first, because its error is correlated with that of the prediction."""
+    def _bind_corrections(
+        self, at: EstimatorBinding, belief: Gaussians, turn: Array, counted: Counted, noise: Array, room: points.Work
+    ) -> Iterator[Callable[[], None]]:
+        """Functions that correct by each sensor.
+
+        The gyro is first, because its error is correlated with that of the prediction. It must be of the step in which
+        the wheels turned; a place or heading that is measured where the mean is not current is of another pose.
+        """
+        robot, transform = at.robot, self.transform()
         one, two = _thresholds(self.gate)
-        room, transform = points.work(), self.transform()
-        is_there, is_known = counted
         if self.gyro:
-            values, fresh, _, records = self._reading("gyro", robot, readings, is_known, state)
-            variance = _squared(self.gyro_std)
-            ekf.fuse_turns(belief, values, fresh, turn, noise, elapsed, variance, one, room, records)
+            values, fresh, _, records, take = self._bind_reading("gyro", at, counted.follows)
+            turned, elapsed, variance = np.empty((robot.rows, 1)), np.empty((robot.rows, 1)), _squared(self.gyro_std)
+
+            def measure() -> None:
+                np.copyto(turned, turn)
+                np.copyto(elapsed, at.elapsed())
+
+            yield take
+            yield measure
+            yield functools.partial(
+                ekf.fuse_turns, belief, values, fresh, turned, noise, elapsed, variance, one, room, records
+            )
         if self.compass:
-            values, fresh, mounts, records = self._reading("compass", robot, readings, is_there, state)
-            ekf.fuse_headings(belief, values, fresh, mounts, _squared(self.compass_std), one, room, records)
+            values, fresh, mounts, records, take = self._bind_reading("compass", at, counted.current)
+            yield take
+            yield functools.partial(
+                ekf.fuse_headings, belief, values, fresh, mounts, _squared(self.compass_std), one, room, records
+            )
         if self.gps:
-            values, fresh, mounts, records = self._reading("gps", robot, readings, is_there, state)
+            values, fresh, mounts, records, take = self._bind_reading("gps", at, counted.current)
             variance, correlation = _squared(self.gps_std), np.asarray(self.gps_correlation)
-            ekf.fuse_places(belief, values, fresh, mounts, variance, correlation, two, transform, room, records)
+            yield take
+            yield functools.partial(
+                ekf.fuse_places, belief, values, fresh, mounts, variance, correlation, two, transform, room, records
+            )
         if self.landmarks:
-            values, fresh, mounts, records = self._reading("landmarks", robot, readings, is_there, state)
+            values, fresh, mounts, records, take = self._bind_reading("landmarks", at, counted.current)
             places, ids = robot.landmarks, robot.landmark_ids
             assert places is not None
             assert ids is not None
@@ -300,22 +305,32 @@ class KalmanFilter(Estimator):
             )
             search = compatible.search(slots, len(places), gates)
             marks, way = landmarks.Marks(places, ids), _WAYS[self.association]
-            landmarks.fuse_landmarks(
-                belief, values, fresh, mounts, marks, both, two, way, transform, room, search, records
+            yield take
+            yield functools.partial(
+                landmarks.fuse_landmarks,
+                *(belief, values, fresh, mounts, marks, both, two, way, transform, room, search, records),
             )
 
-    def _reading(
-        self, field: str, robot: RobotModel, readings: Mapping[str, Measurement], allowed: Bools, state: State
-    ) -> tuple[Array, Bools, Array, Array]:
-        """A sensor's new and `allowed` values, its mounts `(N, 3)`, and an empty record to fill."""
-        name = getattr(self, field)
-        reading, mount = readings[name], robot.sensors[name].mount
-        fresh = check_fresh(self.who, robot, name, reading, self.age_max)
+    def _bind_reading(
+        self, field: str, at: EstimatorBinding, allowed: Bools
+    ) -> tuple[Array, Bools, Array, Array, Callable[[], None]]:
+        """A sensor's values, which rows of them are new and `allowed`, its mounts `(N, 3)`, and a record to fill.
+
+        Also the function that looks which rows these are, and empties the record.
+        """
+        name, rows = getattr(self, field), at.robot.rows
+        reading, mount = at.readings[name], at.robot.sensors[name].mount
+        check = bind_fresh(self.who, at.robot, name, reading, self.age_max)
         sides: Any = mount.x, mount.y, mount.heading
-        mounts = np.concatenate([np.broadcast_to(side, (robot.rows, 1)) for side in sides], axis=1)
-        records = state[f"{field}_updates"]
-        records[:] = np.nan
-        return np.ascontiguousarray(reading.measured), fresh & allowed, mounts, records
+        mounts = np.concatenate([np.broadcast_to(side, (rows, 1)) for side in sides], axis=1)
+        fresh, records = np.empty((rows, 1), dtype=bool), at.state[f"{field}_updates"]
+
+        def take() -> None:
+            check()
+            np.logical_and(reading.fresh, allowed, out=fresh)
+            records.fill(np.nan)
+
+        return reading.measured, fresh, mounts, records, take
 
     def beliefs(self, state: State) -> Beliefs:
         """For each sensor, by its field: ``innovation``, its covariance, ``nis``, and ``used``, 1 or 0; nan if none.

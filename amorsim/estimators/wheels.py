@@ -16,17 +16,18 @@ from amorsim.kernels.kinematics import odometry, poses
 from amorsim.kernels.number_checks import has_nan
 
 __all__ = [
+    "Counted",
     "Reckoned",
     "Step",
     "angles_of",
     "bind_angles",
     "bind_differences",
+    "bind_readings",
     "bind_step",
     "carry",
     "check_encoder",
     "check_keeps_up",
     "is_current",
-    "is_taken",
     "reckon",
     "sensor_of",
     "step_of",
@@ -217,10 +218,25 @@ def bind_angles(
     return before, after, take
 
 
-def is_taken(robot: RobotModel, encoder: str, reading: Measurement, after: Array) -> npt.NDArray[np.bool_]:
-    """Whether the joints `after`, as `angles_of` gives them, are those of a reading that is new `(N, 1)`."""
-    sensor: Any = robot.sensors[encoder].sensor
-    return np.asarray(reading.fresh & (sensor.angles(reading.measured) == after).all(axis=1, keepdims=True))
+class Counted(NamedTuple):
+    """Rows `(N, 1)` whose wheels may be compared with what else is measured; see `odometry.take_readings`."""
+
+    taken: npt.NDArray[np.bool_]
+    current: npt.NDArray[np.bool_]
+    follows: npt.NDArray[np.bool_]
+
+
+def bind_readings(
+    robot: RobotModel, encoder: str, reading: Measurement, joints: Array, counted: Counted
+) -> tuple[Array, Array, Callable[[], None]]:
+    """As `bind_angles`, and the function writes into `counted`."""
+    before, after = np.empty(joints.shape), np.empty(joints.shape)
+
+    def take() -> None:
+        angles = _angles(robot, encoder, reading.measured, joints.shape)
+        odometry.take_readings(joints, angles, reading.fresh, _FAR, _LEAP, before, after, *counted)
+
+    return before, after, take
 
 
 def is_current(
@@ -232,4 +248,6 @@ def is_current(
     pose is not current. Without a new reading it is what it `was` `(N, 1)` in the update before, and at the start it is
     current. An estimator calls this in every update.
     """
-    return np.where(reading.fresh, is_taken(robot, encoder, reading, after), was)
+    sensor: Any = robot.sensors[encoder].sensor
+    is_taken = reading.fresh & (sensor.angles(reading.measured) == after).all(axis=1, keepdims=True)
+    return np.where(reading.fresh, is_taken, was)

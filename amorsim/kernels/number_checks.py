@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from amorsim.kernels.compile import kernel
 
-__all__ = ["all_finite", "all_indices", "has_nan"]
+__all__ = ["all_finite", "all_indices", "first_late", "has_nan"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
 
 
 @kernel
@@ -40,3 +41,12 @@ def has_nan(values: Floats) -> bool:
     for value in values:
         found |= math.isnan(value)
     return found
+
+
+@kernel
+def first_late(fresh: Bools, age: Floats, most: Floats) -> int:
+    """The first row whose reading is new (N, 1) and older than its limit (N, 1); -1 if there is none."""
+    for i in range(fresh.shape[0]):
+        if fresh[i, 0] and age[i, 0] > most[i, 0]:
+            return i
+    return -1

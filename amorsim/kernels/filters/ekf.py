@@ -18,7 +18,7 @@ from amorsim.kernels.filters.points import PLACE, Transform, Work, expect_by_poi
 from amorsim.kernels.filters.updates import NIS, USED, Gaussians, bend, squared_of, swing, take, take_pair
 from amorsim.kernels.kinematics.poses import wrap
 
-__all__ = ["fuse_headings", "fuse_places", "fuse_turns", "predict"]
+__all__ = ["fuse_headings", "fuse_places", "fuse_turns", "keep_valid", "predict"]
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
@@ -64,6 +64,26 @@ def report(belief: Gaussians, by_arcs: bool, poses: Floats, covariances: Floats)
         covariances[i, 0, 1] += bent[1]
         covariances[i, 1, 0] += bent[1]
         covariances[i, 1, 1] += bent[2]
+
+
+@kernel
+def keep_valid(belief: Gaussians, before: Gaussians, far: float, stays: bool, failed: Bools) -> None:
+    """Restore rows whose numbers have become invalid to what they were `before`, and write into `failed` (N,) which.
+
+    Invalid are numbers that are not finite or beyond `far`, or its square, and negative variances. If it `stays`, a row
+    that has failed before counts as invalid.
+    """
+    for i in range(failed.shape[0]):
+        fine = not (stays and failed[i])
+        for j in range(4):
+            fine &= abs(belief.mean[i, j]) < far  # nan compares as false
+            fine &= belief.covariance[i, j, j] >= 0.0
+            for k in range(4):
+                fine &= abs(belief.covariance[i, j, k]) < far * far
+        failed[i] = not fine
+        if not fine:
+            belief.mean[i] = before.mean[i]
+            belief.covariance[i] = before.covariance[i]
 
 
 @kernel

@@ -18,6 +18,7 @@ __all__ = [
     "joints_between",
     "reckon",
     "take_angles",
+    "take_readings",
     "turn_joint",
     "wheel_jacobian",
     "wheel_rates",
@@ -26,6 +27,7 @@ __all__ = [
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
+Bools = npt.NDArray[np.bool_]
 # A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
 Column = Any
 
@@ -100,6 +102,50 @@ def take_angles(last: Floats, angles: Floats, far: float, leap: float, before: F
                 after[i, j] = 0.0
             if math.isnan(before[i, j]):
                 before[i, j] = 0.0
+
+
+@kernel
+def take_readings(
+    last: Floats,
+    angles: Floats,
+    fresh: Bools,
+    far: float,
+    leap: float,
+    before: Floats,
+    after: Floats,
+    taken: Bools,
+    current: Bools,
+    follows: Bools,
+) -> None:
+    """As `take_angles`, and write of each row (N, 1) what may be compared with the motion between the readings.
+
+    Parameters
+    ----------
+    fresh
+        Whether the reading is new.
+    taken
+        Gets whether it is new and shows the joints.
+    current
+        Gets whether the joints are where they are now: of a row without a new reading, what it was.
+    follows
+        Gets whether the joints moved from a reading that was taken in the step before to one that is taken now.
+    """
+    joints_between(last, angles, far, leap, before, after)
+    for i in range(last.shape[0]):
+        shows = fresh[i, 0]
+        goes_on = True
+        for j in range(last.shape[1]):
+            shows &= angles[i, j] == after[i, j]
+            goes_on &= before[i, j] == last[i, j]
+            last[i, j] = after[i, j]
+            if math.isnan(after[i, j]):
+                after[i, j] = 0.0
+            if math.isnan(before[i, j]):
+                before[i, j] = 0.0
+        follows[i, 0] = shows and taken[i, 0] and goes_on
+        taken[i, 0] = shows
+        if fresh[i, 0]:
+            current[i, 0] = shows
 
 
 @kernel
