@@ -11,7 +11,7 @@ from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.kinematics.poses import wrap
 from amorsim.kernels.sorting import sort
 
-__all__ = ["look_at_discs", "marks_near"]
+__all__ = ["lines_to_marks", "look_at_discs", "marks_near", "take_marks"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -85,6 +85,110 @@ def marks_near(
                 bearing[q] = _bearing(dx, dy, poses[i, 2])
     first[poses.shape[0]] = found
     return found
+
+
+@kernel
+def lines_to_marks(
+    poses: Floats,
+    replica: Ints,
+    own: Ints,
+    places: Floats,
+    radius: Floats,
+    first: Ints,
+    mark: Ints,
+    distance: Floats,
+    done: int,
+    most: int,
+    room: Ints,
+    pair: Ints,
+    looker: Ints,
+    lines: Floats,
+    need: Floats,
+) -> int:
+    """The lines of sight that are to be tested next, of the nearest marks not yet tested; returns their number.
+
+    Parameters
+    ----------
+    poses, replica, own, places, first, mark, distance
+        As `marks_near` takes and gives them.
+    radius
+        Of the first of the marks, which none carries [m].
+    done, most
+        How many pairs of each row have been tested, and how many more are.
+    room
+        Slots that are left in each row, (N,); a row without any is passed over.
+    pair
+        Gets the pair of each line, (L,).
+    looker
+        Gets the body that it starts from, (L,).
+    lines
+        Gets where it starts, and its direction, (L, 3).
+    need
+        Gets how far it must be free [m], (L,): a mark on a wall is in sight if the line reaches its disc.
+    """
+    count = 0
+    for i in range(poses.shape[0]):
+        if room[i] <= 0:
+            continue
+        for q in range(first[i] + done, min(first[i] + done + most, first[i + 1])):
+            f = mark[q]
+            place = places[replica[i], f]
+            pair[count] = q
+            looker[count] = own[i]
+            lines[count, 0] = poses[i, 0]
+            lines[count, 1] = poses[i, 1]
+            lines[count, 2] = math.atan2(place[1] - poses[i, 1], place[0] - poses[i, 0])
+            need[count] = distance[q] - radius[f] if f < radius.shape[0] else distance[q]
+            count += 1
+    return count
+
+
+@kernel
+def take_marks(
+    first: Ints,
+    mark: Ints,
+    distance: Floats,
+    bearing: Floats,
+    replica: Ints,
+    carrier: Ints,
+    ids: Ints,
+    pair: Ints,
+    need: Floats,
+    free: Floats,
+    met: Ints,
+    room: Ints,
+    range_out: Floats,
+    bearing_out: Floats,
+    id_out: Ints,
+) -> None:
+    """Put marks whose lines of sight are free into the slots that are left.
+
+    Parameters
+    ----------
+    first, mark, distance, bearing, replica, carrier
+        As `marks_near` takes and gives them.
+    ids
+        Of the marks.
+    pair, need, room
+        As `lines_to_marks` gives them.
+    free, met
+        How far each line is free [m], and the body that it meets or -1, (L, 1).
+    range_out, bearing_out, id_out
+        The slots of each row, (N, m).
+    """
+    i = 0
+    slots = range_out.shape[1]
+    for k in range(pair.shape[0]):
+        q = pair[k]
+        while q >= first[i + 1]:
+            i += 1
+        body = carrier[replica[i], mark[q]]
+        if room[i] > 0 and (free[k, 0] >= need[k] or (body >= 0 and met[k, 0] == body)):
+            slot = slots - room[i]
+            range_out[i, slot] = distance[q]
+            bearing_out[i, slot] = bearing[q]
+            id_out[i, slot] = ids[mark[q]]
+            room[i] -= 1
 
 
 @kernel

@@ -11,7 +11,6 @@ import numpy.typing as npt
 
 from amorsim.contracts import Sightings
 from amorsim.core.workers import in_turn
-from amorsim.kernels import elementary
 from amorsim.kernels.kinematics import poses
 from amorsim.kernels.raycast import body_normals, bresenham, rays, scans
 from amorsim.kernels.raycast import visibility as sight
@@ -23,6 +22,7 @@ Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 _FEW = 20  # beams of different directions; for fewer, sorting costs more than it saves
+_AHEAD, _STRAIGHT = np.ones((1, 1)), np.zeros((1, 1))  # cosine and sine of the bearing of one beam
 _SPARE = 4  # marks tested beyond the number of slots, because some are hidden
 
 
@@ -31,28 +31,32 @@ def find_landmarks(world: World, own: Ints, eyes: Array, slots: int, range_max: 
 
     `range_max` [m] and `half_angle` [rad] are `(N,)`; see `amorsim.contracts.View.landmarks`.
     """
-    rows = len(own)
+    rows, eyes = len(own), np.ascontiguousarray(eyes)
     found = Sightings(
         np.full((rows, slots), np.inf), np.full((rows, slots), np.inf), np.full((rows, slots), -1, dtype=np.int64)
     )
     around = world.surroundings
     if not len(around.ids):
         return found
-    row, mark, distance, bearing = _within_reach(world, own, eyes, range_max, half_angle)
-    seen = _nearest_in_sight(world, own, eyes, slots, row, mark, distance)
-    row, mark, distance, bearing = row[seen], mark[seen], distance[seen], bearing[seen]
-    # The slot of each mark in its row: pairs are in order of row.
-    place = np.arange(len(row)) - np.searchsorted(row, row)
-    kept = place < slots
-    at = row[kept], place[kept]
-    found.range[at], found.bearing[at], found.id[at] = distance[kept], bearing[kept], around.ids[mark[kept]]
+    replica, places, carrier = world.replica_index[own], *_marks(world)
+    first, mark, distance, bearing = _within_reach(world, own, eyes, range_max, half_angle, replica, places, carrier)
+    count = len(mark)
+    room, pair, looker = np.full(rows, slots), np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
+    lines, need = np.empty((count, 3)), np.empty(count)
+    given = eyes, replica, own, places, around.radius, first, mark, distance
+    # In a crowd the nearest marks fill most slots. So the first pass tests a few, each further one twice as many.
+    done, most = 0, slots + _SPARE
+    while tested := sight.lines_to_marks(*given, done, most, room, pair, looker, lines, need):
+        which = pair[:tested]
+        free, met = look_along(world, looker[:tested], lines[:tested], _AHEAD, _STRAIGHT, distance[which])
+        pairs = first, mark, distance, bearing, replica, carrier, around.ids
+        sight.take_marks(*pairs, which, need, free, met, room, found.range, found.bearing, found.id)
+        done, most = done + most, 2 * most
     return found
 
 
-def _within_reach(
-    world: World, own: Ints, eyes: Array, range_max: Array, half_angle: Array
-) -> tuple[Ints, Ints, Array, Array]:
-    """Pairs of a row and a mark: row, mark, distance [m], bearing from the heading [rad]."""
+def _marks(world: World) -> tuple[Array, Ints]:
+    """The places of all marks in each replica `(R, F, 2)`, and the bodies that carry them, -1 for none `(R, F)`."""
     around = world.surroundings
     replicas, fixed, carried = len(world.first) - 1, len(around.landmarks), len(around.carriers)
     places = np.empty((replicas, fixed + carried, 2))
@@ -61,71 +65,31 @@ def _within_reach(
     if carried:
         carrier[:, fixed:] = world.first[:-1, None] + around.carriers
         places[:, fixed:] = world.poses[carrier[:, fixed:], :2]
+    return places, carrier
+
+
+def _within_reach(
+    world: World,
+    own: Ints,
+    eyes: Array,
+    range_max: Array,
+    half_angle: Array,
+    replica: Ints,
+    places: Array,
+    carrier: Ints,
+) -> tuple[Ints, Ints, Array, Array]:
+    """Pairs of a row and a mark: where each row's begin; the mark, distance [m], bearing from the heading [rad]."""
     first = np.empty(len(own) + 1, dtype=np.int64)
     room = max(4 * len(own) + 64, world.marks_near)
     while True:
         mark, distance, bearing = np.empty(room, dtype=np.int64), np.empty(room), np.empty(room)
-        count = sight.marks_near(
-            np.ascontiguousarray(eyes),
-            range_max,
-            half_angle,
-            world.replica_index[own],
-            own,
-            places,
-            carrier,
-            first,
-            mark,
-            distance,
-            bearing,
-        )
+        given = eyes, range_max, half_angle, replica, own, places, carrier
+        count = sight.marks_near(*given, first, mark, distance, bearing)
         if count <= room:
             break
         room = count
     world.marks_near = count + count // 4  # a guess for the next call
-    row = np.repeat(np.arange(len(own)), np.diff(first))
-    return row, mark[:count], distance[:count], bearing[:count]
-
-
-def _nearest_in_sight(
-    world: World, own: Ints, eyes: Array, slots: int, row: Ints, mark: Ints, distance: Array
-) -> npt.NDArray[np.bool_]:
-    """Which pairs `(Q,)` are the nearest in sight of their row, at most `slots` in each.
-
-    Pairs are in order of row, the nearest first. In a crowd the nearest marks fill most rows' slots, so farther marks
-    are not tested: the first pass tests a few, each further pass twice as many, for rows with empty slots.
-    """
-    seen = np.zeros(len(row), dtype=np.bool_)
-    rank = np.arange(len(row)) - np.searchsorted(row, row)
-    done, most = 0, slots + _SPARE
-    while True:
-        has_room = np.bincount(row[seen], minlength=len(own)) < slots
-        which = np.flatnonzero((rank >= done) & (rank < done + most) & has_room[row])
-        if not len(which):
-            return seen
-        seen[which] = _in_sight(world, own[row[which]], eyes[row[which]], mark[which], distance[which])
-        done, most = done + most, 2 * most
-
-
-def _in_sight(world: World, own: Ints, eyes: Array, mark: Ints, distance: Array) -> npt.NDArray[np.bool_]:
-    """Whether nothing but the mark's carrier blocks the line `(Q,)` from each of the eyes to its mark."""
-    around = world.surroundings
-    fixed = len(around.landmarks)
-    replica = world.replica_index[own]
-    is_carried = mark >= fixed
-    carrier = np.full(len(mark), -1, dtype=np.int64)
-    place = np.empty((len(mark), 2))
-    place[~is_carried] = around.landmarks[mark[~is_carried]]
-    carrier[is_carried] = world.first[replica[is_carried]] + around.carriers[mark[is_carried] - fixed]
-    place[is_carried] = world.poses[carrier[is_carried], :2]
-    lines = np.empty((len(mark), 3))
-    lines[:, :2] = eyes[:, :2]
-    lines[:, 2] = elementary.arctan2(place[:, 1] - eyes[:, 1], place[:, 0] - eyes[:, 0])
-    # A mark on a wall is in sight although the line ends in the wall's cell, if that is within the mark's disc.
-    need = distance.copy()
-    need[~is_carried] -= around.radius[mark[~is_carried]]
-    free, met = look_along(world, own, lines, np.array([[1.0]]), np.array([[0.0]]), distance)
-    seen: npt.NDArray[np.bool_] = (free[:, 0] >= need) | (is_carried & (met[:, 0] == carrier))
-    return seen
+    return first, mark[:count], distance[:count], bearing[:count]
 
 
 def look_about(
