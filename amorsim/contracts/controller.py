@@ -6,12 +6,14 @@ import abc
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from amorsim.contracts.binding import ControllerBinding, simple_form_first
 from amorsim.contracts.robot import Component, RobotModel
 from amorsim.contracts.values import Array, Beliefs, Clock, Estimate, Measurement, State
 from amorsim.core.draws import Draws
 
-__all__ = ["Controller"]
+__all__ = ["Controller", "command_bound"]
 
 
 class Controller(Component, abc.ABC):
@@ -68,3 +70,31 @@ class Controller(Component, abc.ABC):
         The same rules hold as for `Estimator.beliefs`. Frames have them under the name ``"controller"``.
         """
         return {}
+
+
+def command_bound(
+    controller: Controller,
+    robot: RobotModel,
+    readings: Mapping[str, Measurement],
+    estimate: Estimate,
+    clock: Clock,
+    state: State,
+    draws: Draws,
+) -> Array:
+    """What a controller that is written as `Controller.bind` returns from `Controller.command`."""
+    out = np.zeros((robot.rows, len(robot.drive.channels)))
+    at = ControllerBinding(
+        robot=robot,
+        readings=readings,
+        copied_readings=readings,
+        estimate=estimate,
+        tick=clock.tick,
+        time=clock.time,
+        dt=clock.dt,
+        state=state,
+        draws=draws,
+        out=out,
+        answer=lambda _: None,  # nothing is returned
+    )
+    controller.bind(at)()
+    return out

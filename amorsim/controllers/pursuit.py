@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import attrs
 import numpy as np
@@ -12,6 +12,7 @@ from amorsim.contracts import (
     Clock,
     Context,
     Controller,
+    ControllerBinding,
     Draws,
     Estimate,
     Measurement,
@@ -19,6 +20,7 @@ from amorsim.contracts import (
     State,
     parameter,
 )
+from amorsim.contracts.controller import command_bound
 from amorsim.contracts.joints import at_rest
 from amorsim.controllers.abilities import Course, abilities, heading_poses
 from amorsim.core.errors import ComponentError
@@ -162,6 +164,22 @@ class Pursuit(Controller):
         ahead = np.stack((np.cos(pose[:, 2]), np.sin(pose[:, 2])), axis=1)
         return np.where(turn_back(legs[:, 0], ahead)[:, None], -1.0, 1.0), turns_about
 
+    def bind(self, at: ControllerBinding) -> Callable[[], None]:
+        """Pursue on the engine's own arrays."""
+        robot, state, twist = at.robot, at.state, np.empty((at.robot.rows, 3))
+        wanted = at.out[:, : len(robot.drive.channels)]
+        path = pure_pursuit.Course(state["path"], state["along"], state["stops"], self.loop)
+        pace = pure_pursuit.Pace(self.speed, self.turn_rate, state["limits"], state["curvature"])
+        lookahead, tolerance = self.lookahead, self.tolerance
+        kept = state["progress"], state["way"], state["moving"], twist
+
+        def command() -> None:
+            course = Course.of(robot, at.readings, at.estimate)
+            pure_pursuit.pursue(course.poses, path, lookahead, tolerance, pace, at.dt, *kept)
+            wanted[:] = course.command(twist)
+
+        return command
+
     def command(
         self,
         robot: RobotModel,
@@ -172,21 +190,7 @@ class Pursuit(Controller):
         draws: Draws,
     ) -> Array:
         """The command `(N, c)` of this step; at the end that of standing still."""
-        course = Course.of(robot, readings, estimate)
-        twist = np.empty((robot.rows, 3))
-        pure_pursuit.pursue(
-            course.poses,
-            pure_pursuit.Course(state["path"], state["along"], state["stops"], self.loop),
-            self.lookahead,
-            self.tolerance,
-            pure_pursuit.Pace(self.speed, self.turn_rate, state["limits"], state["curvature"]),
-            clock.dt,
-            state["progress"],
-            state["way"],
-            state["moving"],
-            twist,
-        )
-        return course.command(twist)
+        return command_bound(self, robot, readings, estimate, clock, state, draws)
 
 
 def turn_back(one: Array, other: Array) -> Bools:
