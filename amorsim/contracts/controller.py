@@ -73,7 +73,7 @@ class Controller(Component, abc.ABC):
 
 
 def command_bound(
-    controller: Controller,
+    bind: Callable[[ControllerBinding], Callable[[], None]],
     robot: RobotModel,
     readings: Mapping[str, Measurement],
     estimate: Estimate,
@@ -81,7 +81,10 @@ def command_bound(
     state: State,
     draws: Draws,
 ) -> Array:
-    """What a controller that is written as `Controller.bind` returns from `Controller.command`."""
+    """What a controller that is written as `Controller.bind` returns from `Controller.command`.
+
+    `bind` is that of its own class, as a subclass may have another one.
+    """
     out = np.zeros((robot.rows, len(robot.drive.channels)))
     at = ControllerBinding(
         robot=robot,
@@ -96,5 +99,5 @@ def command_bound(
         out=out,
         answer=lambda _: None,  # nothing is returned
     )
-    controller.bind(at)()
+    bind(at)()
     return out

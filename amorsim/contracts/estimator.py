@@ -92,7 +92,7 @@ class Estimator(Component, abc.ABC):
 
 
 def update_bound(
-    estimator: Estimator,
+    bind: Callable[[EstimatorBinding], Callable[[], None]],
     robot: RobotModel,
     readings: Mapping[str, Measurement],
     command: Array,
@@ -100,7 +100,10 @@ def update_bound(
     state: State,
     draws: Draws,
 ) -> Estimate:
-    """What an estimator that is written as `Estimator.bind` returns from `Estimator.update`."""
+    """What an estimator that is written as `Estimator.bind` returns from `Estimator.update`.
+
+    `bind` is that of its own class, as a subclass may have another one.
+    """
     out = Estimate(np.empty((robot.rows, 3)), np.empty((robot.rows, 3, 3)))
     at = EstimatorBinding(
         robot=robot,
@@ -113,5 +116,5 @@ def update_bound(
         out=out,
         answer=lambda _: None,  # nothing is returned
     )
-    estimator.bind(at)()
+    bind(at)()
     return out

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Mapping, Sequence
 
 import attrs
@@ -190,7 +191,8 @@ class Pursuit(Controller):
         draws: Draws,
     ) -> Array:
         """The command `(N, c)` of this step; at the end that of standing still."""
-        return command_bound(self, robot, readings, estimate, clock, state, draws)
+        bind = functools.partial(Pursuit.bind, self)
+        return command_bound(bind, robot, readings, estimate, clock, state, draws)
 
 
 def turn_back(one: Array, other: Array) -> Bools:

@@ -97,7 +97,8 @@ class DeadReckoning(Estimator):
         draws: Draws,
     ) -> Estimate:
         """The estimate after this step's reading; an old reading shows the same joints and changes nothing."""
-        return update_bound(self, robot, readings, command, elapsed, state, draws)
+        bind = functools.partial(DeadReckoning.bind, self)
+        return update_bound(bind, robot, readings, command, elapsed, state, draws)
 
     def is_current(self, readings: Mapping[str, Measurement], state: State) -> npt.NDArray[np.bool_]:
         """Where the last reading of the encoder was not lost, or none has come in yet."""

@@ -191,7 +191,8 @@ class KalmanFilter(Estimator):
         draws: Draws,
     ) -> Estimate:
         """The estimate after predicting this step's motion and correcting by all readings that arrived in it."""
-        return update_bound(self, robot, readings, command, elapsed, state, draws)
+        bind = functools.partial(KalmanFilter.bind, self)
+        return update_bound(bind, robot, readings, command, elapsed, state, draws)
 
     def bind(self, at: EstimatorBinding) -> Callable[[], None]:
         """Predict and correct on the engine's own arrays."""

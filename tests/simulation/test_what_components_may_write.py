@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 
 import attrs
 import numpy as np
+import pytest
 
 import amorsim as am
 from amorsim.scenario.spec import MountedSensor
@@ -44,6 +45,46 @@ class Blanking(am.estimators.DeadReckoning):
         for name in readings:
             readings[name].measured[:] = 0.0
         return found
+
+
+@attrs.frozen(kw_only=True)
+class Careful(am.estimators.Ekf):
+    """A filter that doubts its result twice as much."""
+
+    def update(self, robot: Any, readings: Any, command: Any, elapsed: Any, state: Any, draws: Any) -> Any:
+        """As before."""
+        pose, covariance = super().update(robot, readings, command, elapsed, state, draws)
+        return am.contracts.Estimate(pose, 2.0 * covariance)
+
+
+@attrs.frozen(kw_only=True)
+class Slow(am.controllers.Pursuit):
+    """Pursuit at half the speed."""
+
+    def command(self, robot: Any, readings: Any, estimate: Any, clock: Any, state: Any, draws: Any) -> Any:
+        """As before."""
+        return 0.5 * super().command(robot, readings, estimate, clock, state, draws)
+
+
+def test_a_subclass_of_a_bound_component_may_build_on_its_simple_form() -> None:
+    pursuit = {"waypoints": ((4.0, 1.0),), "reverse": "never"}
+    sims = []
+    for filter_, controller in ((am.estimators.Ekf, am.controllers.Pursuit), (Careful, Slow)):
+        robot = building.robot(
+            name="rover",
+            pose=am.Pose(x=1.0, y=1.0),
+            controller=controller(**pursuit),
+            estimators={"ekf": filter_(wheel_variance=1e-4)},
+        )
+        sims.append(am.Simulation(building.scenario(robot)))
+    for sim in sims:
+        sim.step()  # from rest, the speed in the first step is of the command alone
+    commands = [sim.frames()[0].command for sim in sims]
+    np.testing.assert_allclose(commands[1], 0.5 * commands[0])
+    for sim in sims:
+        sim.run(1.0)
+    ratio = [np.trace(sim.covariance[0]) / (sim.true_pose[0, 0] - 1.0) for sim in sims]
+    assert ratio[1] == pytest.approx(2.0 * ratio[0], rel=0.05)  # the variance grows with the way
 
 
 def test_noise_that_works_in_place_leaves_the_truth() -> None:
