@@ -10,8 +10,9 @@ import zlib
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.core.arguments import path_of
+from amorsim.core.arguments import numbers, path_of
 from amorsim.core.errors import AnalysisError
+from amorsim.core.parameters import LARGEST, ParameterError
 
 __all__ = ["clock_offset", "read_relations"]
 
@@ -61,10 +62,24 @@ def clock_offset(relations: npt.ArrayLike, times: npt.ArrayLike) -> float:
 
     Logs often count from their start, and relations from 1970. It is the difference that most pairs of times have; 0 if
     none is much more frequent than by chance, or several are alike, as with scans at regular times.
+
+    Raises
+    ------
+    AnalysisError
+        If these are not finite numbers of these shapes.
     """
-    moments = np.unique(np.asarray(relations, dtype=np.float64)[:, :2])
+    try:
+        given, scans = numbers(relations, "relations", ("M", 5)), numbers(times, "times", ("T",))
+    except ParameterError as error:
+        raise AnalysisError(str(error)) from None
+    for name, array in (("relations", given), ("times", scans)):
+        if not (np.abs(array) <= LARGEST).all():
+            raise AnalysisError(f"{name}: expected finite numbers, at most {LARGEST:g}")
+    if not (len(given) and len(scans)):
+        return 0.0
+    moments = np.unique(given[:, :2])
     moments = moments[:: -(-len(moments) // _MOST_MOMENTS)]
-    apart = np.sort((moments[:, None] - np.asarray(times, dtype=np.float64)).ravel())
+    apart = np.sort((moments[:, None] - scans).ravel())
     # Of each difference, how many are at most that much larger.
     alike = np.searchsorted(apart, apart + _SAME, side="right") - np.arange(len(apart))
     best = int(np.argmax(alike))

@@ -8,6 +8,9 @@ import time
 from collections.abc import Callable, Iterator
 from typing import Any, TypeVar
 
+from amorsim.core.error_text import in_words
+from amorsim.core.parameters import ParameterError
+
 __all__ = ["Show", "progress_shown"]
 
 Show = Callable[[float], None]
@@ -33,11 +36,20 @@ def progress_shown(
         The word before the bar.
     share
         The share done, of what the function is called with.
+
+    Raises
+    ------
+    ParameterError
+        If `progress` is neither.
     """
     if callable(progress):
         yield progress
         return
-    make = _bar_here() if progress and not _shown else None
+    try:
+        is_wanted = bool(progress)
+    except (TypeError, ValueError):
+        raise ParameterError("progress", f"expected True or False, got {in_words(progress)}") from None
+    make = _bar_here() if is_wanted and not _shown else None
     if make is None:
         yield None
         return

@@ -37,9 +37,13 @@ def replica_numbers(scenario: Scenario, replicas: int | Sequence[int]) -> tuple[
         If these are not such numbers, or the arrays of so many replicas would not fit into memory; none is made.
     """
     replicas = _plain(replicas)
-    if not (0 < replicas <= MAX_REPLICA + 1 if isinstance(replicas, int) else hasattr(replicas, "__len__")):
+    try:
+        count = replicas if isinstance(replicas, int) else len(replicas)
+    except TypeError:
+        raise _no_replicas(replicas) from None
+    if isinstance(replicas, int) and not 0 < count <= MAX_REPLICA + 1:
         raise _no_replicas(replicas)
-    _check_memory(scenario, replicas if isinstance(replicas, int) else len(replicas))
+    _check_memory(scenario, count)
     return _replica_numbers(replicas)
 
 

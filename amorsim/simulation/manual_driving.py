@@ -29,7 +29,7 @@ def drive_all(fleet: Fleet, name: str, forward: Any, left: Any, turn: Any) -> No
     AmorsimError
         If there is no such robot, it is not driven from outside, or these are not finite numbers for each replica.
     """
-    if name not in fleet.names:
+    if not isinstance(name, str) or name not in fleet.names:  # an array is not to be compared with names
         raise AmorsimError(no_such("robot", name, fleet.names))
     twists = _twists(name, len(fleet.replicas), forward, left, turn)
     for group in fleet.groups:
@@ -62,7 +62,7 @@ def _twists(name: str, replicas: int, *parts: Any) -> Array:
         for column, part in enumerate(parts):
             twists[:, column] = part
         is_fine = bool((np.abs(twists) <= LARGEST).all())
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         is_fine = False
     if not is_fine:
         raise AmorsimError(

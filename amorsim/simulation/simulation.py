@@ -338,6 +338,8 @@ class Simulation:
             If there is no such robot, or others of the same model, whose rows lie between its own.
         """
         names = [name] if isinstance(name, str) else list(name)
+        if not names:
+            raise AmorsimError(f"name: expected the name of a robot, or of several; the robots: {in_words(self.names)}")
         for one in names:
             if one not in self.names:
                 raise AmorsimError(no_such("robot", one, self.names))
@@ -350,10 +352,19 @@ class Simulation:
 
     @checked
     def truth(self, rows: Sequence[int] | None = None) -> TrueState:
-        """The true state of all robots, or of some rows of `true_pose`: as a task for learners is given it."""
+        """The true state of all robots, or of some rows of `true_pose`: as a task for learners is given it.
+
+        Raises
+        ------
+        AmorsimError
+            If there is no such row.
+        """
         if rows is None:
             return true_state(self._fleet)
-        return true_state(self._fleet, np.asarray(rows, dtype=np.int64))
+        count = len(self.replicas) * len(self.names)
+        if not all(0 <= row < count for row in rows):
+            raise AmorsimError(f"rows: expected numbers from 0 to {count - 1}, got {in_words(rows)}")
+        return true_state(self._fleet, np.asarray(list(rows), dtype=np.int64))
 
     @property
     def parts(self) -> tuple[str, ...]:

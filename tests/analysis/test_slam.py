@@ -152,6 +152,23 @@ def test_a_map_has_a_resolution_that_makes_sense(recorded: Path) -> None:
         found.map(1e-4)
 
 
+@pytest.mark.parametrize(
+    ("relations", "times", "words"),
+    [
+        (1.0, [1.0], "relations: expected numbers of the shape"),
+        ([[1.0, 2.0]], [1.0], "relations: expected numbers of the shape"),
+        ("x", [1.0], "relations: expected numbers"),
+        (np.ones((2, 5)), {"a": 1}, "times: expected numbers"),
+        (np.ones((2, 5)), [math.nan], "times: expected finite numbers"),
+        (np.full((2, 5), math.inf), [1.0], "relations: expected finite numbers"),
+    ],
+)
+def test_what_has_no_clock_is_refused_in_words(relations: object, times: object, words: str) -> None:
+    with pytest.raises(AnalysisError, match=words):
+        clock_offset(relations, times)  # type: ignore[arg-type]
+    assert clock_offset(np.empty((0, 5)), [1.0]) == clock_offset(np.ones((1, 5)), []) == 0.0
+
+
 def test_relations_are_read_and_their_clock_is_found(tmp_path: Path) -> None:
     rng = np.random.default_rng(3)
     times = np.cumsum(rng.uniform(1.0, 4.0, 200))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -231,9 +232,11 @@ def test_all_replicas_are_driven_at_once_as_they_are_one_by_one() -> None:
     ("given", "words"),
     [
         ({"name": "c"}, "no robot 'c'"),
+        ({"name": np.zeros((2, 3))}, "no robot"),
         ({"name": "b"}, "only the 'manual' controller takes commands"),
         ({"name": "a", "forward": [1.0, 2.0, 3.0]}, "one for each of 2 replicas"),
         ({"name": "a", "turn": float("nan")}, "expected for forward, left and turn a finite number"),
+        ({"name": "a", "left": 10**400}, "expected for forward, left and turn a finite number"),
         ({"name": "a", "left": "fast"}, "expected for forward, left and turn a finite number"),
     ],
 )
@@ -249,3 +252,24 @@ def test_what_cannot_be_driven_is_refused(given: dict[str, Any], words: str) -> 
     sim = am.Simulation(building.scenario(*robots), replicas=2)
     with pytest.raises(am.AmorsimError, match=words):
         sim.drive(**given)
+
+
+def test_wrong_arguments_are_refused_in_words() -> None:
+    scenario = building.scenario(building.robot(name="a"))
+    sim = am.Simulation(scenario)
+    wrong: list[tuple[str, Callable[[], Any]]] = [
+        ("rows: expected numbers from 0 to 0", lambda: sim.truth([1])),
+        ("rows: expected numbers from 0 to 0", lambda: sim.truth([-1])),
+        ("progress: expected True or False", lambda: sim.run(0.1, progress=np.zeros(3))),  # type: ignore[arg-type]
+        ("replicas", lambda: am.Simulation(scenario, replicas=np.array(2.0))),  # type: ignore[arg-type]
+    ]
+    for words, call in wrong:
+        with pytest.raises(am.AmorsimError, match=words):
+            call()
+
+
+def test_what_no_robot_knows_is_refused() -> None:
+    sim = am.Simulation(building.scenario(building.robot(name="a")))
+    for name, words in (("b", "no robot 'b'"), ([], "expected the name of a robot"), (["a", "a"], "expected all")):
+        with pytest.raises(am.AmorsimError, match=words):
+            sim.known(name)
