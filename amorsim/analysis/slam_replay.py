@@ -29,7 +29,7 @@ class SlamReplay:
     """Writes the moments of an estimator that runs on a log.
 
     Between two entries of the log the estimate before them holds. As a context manager it removes what it wrote if an
-    error ends it.
+    error ends it, but an interrupt.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ class SlamReplay:
     ) -> None:
         for recorder in self._recorders:
             recorder.close()
-        if error is not None:
+        if isinstance(error, Exception):  # what an interrupt leaves is kept
             self._folder.give_back()
 
     def write_until(self, time: float) -> None:

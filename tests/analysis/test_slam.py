@@ -11,7 +11,7 @@ import pytest
 
 import amorsim as am
 from amorsim.algorithms.pose_graph import read_g2o
-from amorsim.analysis import clock_offset, read_relations, relation_errors, slam
+from amorsim.analysis import SlamResult, clock_offset, read_relations, relation_errors, slam
 from amorsim.analysis.slam_replay import SlamReplay
 from amorsim.core.errors import AnalysisError, RunError
 from amorsim.runs.tables import read_columns
@@ -79,6 +79,18 @@ def test_a_long_log_has_fewer_moments_and_holds_the_estimate_between_two_entries
     assert len(set(table["estimated_x"].tolist())) == 2  # the end's differs from all before
     arrived = read_columns(tmp_path / "out" / "sensors" / "encoder.csv", "")["time"]
     assert arrived.tolist() == pytest.approx([0.0, 4000.0], abs=0.2)  # 0 s and 0.05 s are one moment
+
+
+def test_an_interrupt_while_the_result_is_saved_loses_no_moment(
+    recorded: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: object) -> list[Path]:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(SlamResult, "save", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        slam(recorded, robot_of(recorded), "graph", progress=False, out=tmp_path / "out")
+    assert len(read_columns(tmp_path / "out" / "poses.csv", "")["time"]) > 150
 
 
 def test_of_a_log_without_scans_no_folder_stays(recorded: Path, tmp_path: Path) -> None:
