@@ -179,6 +179,18 @@ def test_a_gyro_is_compared_with_wheels_that_are_read_in_the_same_steps(filter_)
     assert runner.beliefs["gyro_bias"] == pytest.approx(0.2, abs=0.01)
 
 
+@pytest.mark.parametrize("filter_", [am.estimators.Ekf, am.estimators.Ukf])
+def test_a_gyro_is_not_compared_with_a_turn_of_two_steps(filter_):
+    runner = am.EstimatorRunner(turning_robot(filter_), "it", dt=0.1)
+    compared = []
+    for tick in range(8):
+        counts = [np.nan] * 2 if tick == 4 else 1000.0 * tick * np.array((1.0, 1.02))
+        runner.update(0.1 * tick, {"encoder": counts, "gyro": [0.1]})
+        compared.append(bool(np.isfinite(runner.beliefs["gyro_nis"])))
+    # Not at the start; not while a reading of the wheels is lost; nor with the next, which shows two steps.
+    assert compared == [False, True, True, True, False, False, True, True]
+
+
 @pytest.mark.parametrize("name", sorted(set(MAKERS) - {"dead_reckoning"}))
 def test_a_late_encoder_is_refused_unless_an_age_is_allowed(name):
     def simulated(**fields):

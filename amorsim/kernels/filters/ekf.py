@@ -18,7 +18,7 @@ from amorsim.kernels.filters.points import PLACE, Transform, Work, expect_by_poi
 from amorsim.kernels.filters.updates import NIS, USED, Gaussians, bend, squared_of, swing, take, take_pair
 from amorsim.kernels.kinematics.poses import wrap
 
-__all__ = ["fuse_headings", "fuse_places", "fuse_turns", "keep_valid", "predict"]
+__all__ = ["fuse_headings", "fuse_places", "fuse_turns", "keep_valid", "predict", "report"]
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
