@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+import attrs
 import numpy as np
 import numpy.typing as npt
 
 from amorsim.algorithms.pose_graph import PoseGraph, covariance_of, optimize_robustly
-from amorsim.algorithms.pose_graph.robust import weighted
+from amorsim.algorithms.pose_graph.robust import RobustOptimum, weighted
+from amorsim.algorithms.pose_graph.solve import squared_errors
 from amorsim.contracts import State
 from amorsim.core.errors import GraphError
 from amorsim.core.poses import compose, relative, wrap_angle
@@ -19,6 +21,7 @@ __all__ = ["NodeGraph", "empty_nodes", "loops_of", "near_node"]
 Array = npt.NDArray[np.float64]
 
 _STD = np.array([0.01, 0.01, 0.004])  # [m, m, rad] added to each edge: matches share errors that they do not know of
+_SHARES = 0.5 ** np.arange(6, -1, -1)  # of the variance of _STD, least first, that edges may turn out to have
 _ROUNDS = 3  # of weighing the edges in one step: the next loop goes on from there
 _MATCH = ("measurement", "information")
 _AGREE = (0.3, math.radians(5.0))  # [m, rad] up to which two places of a node are the same
@@ -217,7 +220,7 @@ class NodeGraph:
         weights = self._state["edge_weight"][self._row, : len(graph.edges)]
         try:
             found = optimize_robustly(graph, weights=weights, most_rounds=_ROUNDS)
-            trusted = weighted(graph, found.weights, found.poses)
+            trusted = weighted(_as_sure_as_it_fits(graph, found), found.weights, found.poses)
             covariance = covariance_of(trusted, found.poses, len(found.poses) - 1)
         except GraphError:
             return False
@@ -238,6 +241,20 @@ class NodeGraph:
         newest = self.poses[-1]
         for name in ("pose", "key_pose", "last", "scan_pose"):
             state[name][row] = newest
+
+
+def _as_sure_as_it_fits(graph: PoseGraph, found: RobustOptimum) -> PoseGraph:
+    """The graph with less of `_STD` in its edges: the least share with which they disagree by no more than they may.
+
+    The sum of squared errors of a right graph is, in the mean, three for each edge beyond those that reach every node.
+    """
+    expected = 3.0 * (len(graph.edges) - len(graph.poses) + 1)
+    own = np.linalg.inv(graph.information) - np.diag(_STD**2)
+    for share in _SHARES:
+        fitting = attrs.evolve(graph, information=np.linalg.inv(own + share * np.diag(_STD**2)))
+        if (found.weights * squared_errors(fitting, found.poses)).sum() <= expected:
+            return fitting
+    return graph
 
 
 def _from(pose: Array, moved: Array) -> Array:
