@@ -42,6 +42,19 @@ def test_without_noise_it_hardly_drifts_through_the_office():
     assert errors_of(sim, 60.0)["matched"].max() < 0.025
 
 
+@pytest.mark.long
+def test_with_a_third_of_its_beams_lost_it_hardly_drifts():
+    """When a lost beam ended a line, it was off by 9, 20 and 4 cm in three runs."""
+    given = am.load("map-the-office")
+    robot = given.robots[0]
+    laser = robot.sensors["laser"]
+    laser = attrs.evolve(laser, noise=(*laser.noise, am.noise.Dropout(probability=0.3)))
+    matched = {"matched": ScanMatching(wheel_variance=1e-4, range_std=0.005)}
+    robot = attrs.evolve(robot, sensors={**robot.sensors, "laser": laser}, estimators=matched)
+    sim = am.Simulation(attrs.evolve(given, robots=[robot]))
+    assert errors_of(sim, 40.0)["matched"].max() < 0.03
+
+
 def test_its_error_is_about_as_large_as_it_says():
     sim = am.Simulation(scenario(matched=matching()), replicas=20)
     errors_of(sim, 12.0)

@@ -20,6 +20,7 @@ _NEXT = 1.6  # or so many distances to the next point
 _FARTHEST = 1.0  # [m]
 _STRAIGHT = 0.1  # largest ratio of the spreads across and along a line
 _MOST = 12  # beams to either side
+_LOST = 3  # beams in a row, at most, that saw nothing between two points of a line: a reading that was lost is no gap
 _STRAIGHTER = 4.0  # how many times less the points to one side spread across their line where there is a corner
 
 
@@ -96,29 +97,38 @@ def _line(ranges: Floats, i: int, out: Outline) -> None:
 
 @part
 def _nearest_neighbour(of: Outline, i: int) -> float:
-    """The distance [m] of point i from the nearer one of the two beams beside it; inf if they saw nothing."""
-    count = of.points.shape[0]
+    """The distance [m] of point i from the nearer one of the next points to either side; inf if there are none."""
     least = math.inf
-    for j in (i - 1, i + 1):
-        if 0 <= j < count:
-            away = math.hypot(of.points[j, 0] - of.points[i, 0], of.points[j, 1] - of.points[i, 1])
-            if away < least:  # never for nan
-                least = away
+    for step in (-1, 1):
+        j = _next_seen(of, i, step)
+        if j >= 0:
+            least = min(least, math.hypot(of.points[j, 0] - of.points[i, 0], of.points[j, 1] - of.points[i, 1]))
     return least
+
+
+@part
+def _next_seen(of: Outline, i: int, step: int) -> int:
+    """The next beam from beam i on that saw something, past at most `_LOST` that did not; -1 if there is none."""
+    for n in range(1, _LOST + 2):
+        j = i + step * n
+        if not 0 <= j < of.points.shape[0]:
+            return -1
+        if not math.isnan(of.points[j, 0]):
+            return j
+    return -1
 
 
 @part
 def _end(of: Outline, i: int, step: int, reach: float) -> int:
     """The last beam from beam i on up to which all points are within `reach` [m] of point i."""
-    count = of.points.shape[0]
     last = i
-    for n in range(1, _MOST + 1):
-        j = i + step * n
-        if j < 0 or j >= count:
+    for _ in range(_MOST):
+        j = _next_seen(of, last, step)
+        if j < 0 or abs(j - i) > _MOST:
             break
         dx = of.points[j, 0] - of.points[i, 0]
         dy = of.points[j, 1] - of.points[i, 1]
-        if not dx * dx + dy * dy <= reach * reach:  # too far, or nan
+        if not dx * dx + dy * dy <= reach * reach:
             break
         last = j
     return last
@@ -132,15 +142,16 @@ def _fit(of: Outline, i: int, first: int, last: int) -> tuple[float, float, floa
     """
     x = of.points[i, 0]
     y = of.points[i, 1]
-    n = last - first + 1
-    if n < 3:
-        return x, y, 0.0, math.inf
     sx = 0.0
     sy = 0.0
     sxx = 0.0
     sxy = 0.0
     syy = 0.0
+    n = 0
     for j in range(first, last + 1):
+        if math.isnan(of.points[j, 0]):
+            continue
+        n += 1
         dx = of.points[j, 0] - x
         dy = of.points[j, 1] - y
         sx += dx
@@ -148,6 +159,8 @@ def _fit(of: Outline, i: int, first: int, last: int) -> tuple[float, float, floa
         sxx += dx * dx
         sxy += dx * dy
         syy += dy * dy
+    if n < 3:
+        return x, y, 0.0, math.inf
     sx /= n
     sy /= n
     a = sxx / n - sx * sx
