@@ -14,8 +14,7 @@ def lost(ranges, share, seed):
 
 @pytest.mark.parametrize("seed", range(3))
 def test_a_lost_beam_is_no_gap_in_a_wall(seed):
-    """When lines ended there, a quarter of the points had none with 30 % of the beams lost, and scans drifted four times
-    as far."""
+    """When lines ended there, a quarter of the points had none with 30 % of the beams lost."""
     ranges, _ = scan(room(), (3.4, 1.9, 0.3), WHOLE)
     whole = outline_of(ranges, WHOLE)
     ranges, is_left = lost(ranges, 0.3, seed)
