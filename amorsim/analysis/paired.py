@@ -1,4 +1,4 @@
-"""Paired differences of systems by values of metrics; a key for each value pairs them."""
+"""Differences between systems in the values of metrics, paired by a key of each value."""
 
 from __future__ import annotations
 

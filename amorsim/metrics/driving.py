@@ -38,7 +38,7 @@ def _counts(episode: Episode, kind: str) -> Array:
 
 @attrs.frozen(kw_only=True)
 class PathLength(Metric):
-    """Length of the true path that the robot drove, without the ways by which it was put elsewhere or kidnapped."""
+    """Length of the true path that the robot drove, without jumps where it was put elsewhere or kidnapped."""
 
     unit: ClassVar[str] = "m"
     better: ClassVar[str] = "lower"

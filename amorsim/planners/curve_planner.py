@@ -82,7 +82,7 @@ class CurvePlanner(PosePlanner):
 
 
 def _links(tried: list[Array]) -> Array:
-    """The lines (E, 4) of the curves tried in vain, up to where each meets a wall."""
+    """The lines (E, 4) of the curves that meet a wall, up to there."""
     pieces = [np.concatenate((poses[:-1, :2], poses[1:, :2]), axis=1) for poses in tried]
     return np.concatenate([np.empty((0, 4)), *pieces])
 

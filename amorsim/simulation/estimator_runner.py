@@ -242,7 +242,7 @@ class EstimatorRunner:
         return sorted(names, key=lambda name: name != self._name)
 
     def _go_to(self, time: float) -> float:
-        """Put the clock to a time; returns the seconds since the update before, 0 at the first."""
+        """Set the clock to a time; returns the seconds since the update before, 0 at the first."""
         if finite_numbers((time,)) is None:
             raise AmorsimError(f"{self._who}: expected a time in seconds, got {in_words(time)}")
         if self._first is None:

@@ -40,7 +40,7 @@ class RowClock:
         self.elapsed = np.where(tick > 0, self.dt, 0.0)
 
     def advance(self) -> None:
-        """Put every row to the next tick."""
+        """Advance every row to the next tick."""
         advance_clocks(self.tick, self.dt, self.time, self.counter)
         self.elapsed = self.step
 

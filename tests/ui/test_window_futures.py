@@ -70,6 +70,12 @@ def test_two_futures_are_seen_side_by_side_and_in_numbers(parted: Window) -> Non
     parted.until("newest.tick === 5")
     assert eventually(lambda: "the same up to here" in line.inner_text())
     assert axe_violations(page) == []
+    # None can be taken up where the run is written as it goes.
+    expect(line.get_by_text("take up")).to_have_count(1)
+    page.evaluate(
+        "const { futures } = document.querySelector('.amorsim').simulator; futures.canGoBack = false; futures.build()"
+    )
+    expect(line.get_by_text("take up")).to_have_count(0)
 
 
 def test_a_future_can_be_taken_up_again_and_forgotten(parted: Window) -> None:

@@ -78,7 +78,7 @@ def _in_sight(px: float, py: float, wanted_x: float, wanted_y: float, cosine: fl
 
 @part
 def _share(before: float, after: float) -> float:
-    """The share of a step in which a number is not negative that changes evenly from one value to another."""
+    """The share of a step during which a number is not negative, if it changes linearly from one value to another."""
     if before >= 0.0:
         return 1.0 if after >= 0.0 else before / (before - after)
     return after / (after - before) if after > 0.0 else 0.0

@@ -19,7 +19,7 @@ from amorsim.kernels.kinematics.poses import wrap
 from amorsim.kernels.matching import priors
 from amorsim.kernels.matching.outlines import Outline
 from amorsim.kernels.matching.priors import Prior, keep
-from amorsim.kernels.matching.symmetric import directions, eigen, solve
+from amorsim.kernels.matching.symmetric import UNDETERMINED, directions, eigen, solve
 from amorsim.kernels.sorting import sort
 
 __all__ = [
@@ -44,7 +44,6 @@ _SURE = 2.0  # standard deviations of a range, within which no pair is left out
 _NEAR = 0.01  # [m, rad] step below which pairs are chosen more strictly
 _ALIKE = math.cos(math.radians(30.0))  # of the angle between the surfaces at both ends of a pair
 _GRAZING = 0.05  # added to the squared cosine of the incidence, as lines are never exact
-_UNDETERMINED = 1e-8  # eigenvalues below this part of the largest tell nothing
 _SLANT = 1e-3  # least cosine of the incidence in Fisher's information
 
 
@@ -294,7 +293,7 @@ def _leave_out_unchecked(arm: float, at: Work, information: Floats) -> None:
             continue
         share = 0.0
         for k in range(3):
-            if values[k] > _UNDETERMINED * values[2]:
+            if values[k] > UNDETERMINED * values[2]:
                 slope = at.slopes[i, 0] * at.vectors[0, k] + at.slopes[i, 1] * at.vectors[1, k]
                 slope += at.slopes[i, 2] / arm * at.vectors[2, k]
                 share += at.weights[i] * slope * slope / values[k]
@@ -350,7 +349,7 @@ def align(
                 at.sums[i, j] = out.information[i, j] + out.kept[i, j]
                 right[i] -= out.kept[i, j] * off[j]
         eigen(at.sums, values, at.vectors)
-        solve(values, at.vectors, right, _UNDETERMINED, step)
+        solve(values, at.vectors, right, UNDETERMINED, step)
         pose[0] += step[0]
         pose[1] += step[1]
         pose[2] = wrap(pose[2] + step[2])

@@ -9,13 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.kernels.compile import part
-from amorsim.kernels.matching.symmetric import directions, eigen, solve
+from amorsim.kernels.matching.symmetric import UNDETERMINED, directions, eigen, solve
 
 __all__ = ["Prior", "Room", "keep", "no_prior", "room"]
 
 Floats = npt.NDArray[np.float64]
-
-_UNDETERMINED = 1e-8  # eigenvalues below this part of the largest tell nothing
 
 
 class Prior(NamedTuple):
@@ -91,7 +89,7 @@ def keep(
                 at.sums[i, j] += values[k] * at.vectors[i, k] * at.vectors[j, k] * scale
     _times(prior.information, way, pull)
     eigen(at.sums, values, at.vectors)
-    solve(values, at.vectors, pull, _UNDETERMINED, step)
+    solve(values, at.vectors, pull, UNDETERMINED, step)
     far = 0.0  # square of the way, by the prior's covariance
     square = 0.0  # and by the sum of both
     for i in range(3):

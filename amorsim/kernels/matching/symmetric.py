@@ -9,10 +9,12 @@ import numpy.typing as npt
 
 from amorsim.kernels.compile import part
 
-__all__ = ["directions", "eigen", "invert", "solve"]
+__all__ = ["UNDETERMINED", "directions", "eigen", "invert", "solve"]
 
 Floats = npt.NDArray[np.float64]
 
+UNDETERMINED = 1e-8
+"""Eigenvalues below this part of the largest tell nothing."""
 _FAR = 1e100  # its square is no number any more
 _SWEEPS = 12  # Jacobi's method is quadratic; five are enough for 3 x 3
 

@@ -65,7 +65,7 @@ def _turn(cos: float, sin: float) -> float:
 
 @part
 def _order(cos_b: Floats, sin_b: Floats, row: int, starts: Ints) -> bool:
-    """Write which beam is the first of each sector, counted from the first one's; whether they are in order."""
+    """Write the first beam of each sector, sectors counted from the first beam's; return whether beams are in order."""
     c = cos_b[row, 0]
     s = sin_b[row, 0]
     before = 0.0

@@ -299,7 +299,7 @@ def hear_walls(
     aside: float,
     casts: bool,
 ) -> tuple[bool, float, int]:
-    """The least over all rays, from a free cell, and the lowest ray that has it; or False if walls do not decide it.
+    """The least distance of all rays from a free cell, and the first ray with it; False if walls alone do not decide.
 
     The room holds `count` walls, found at a place `aside` [m] from here. False also if rays are needed and `casts` is
     not set. Where nothing is in range the ray is number 0.

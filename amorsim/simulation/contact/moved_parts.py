@@ -57,7 +57,7 @@ class Robots(Protocol):
 
 
 class Parts:
-    """The parts of all robots of a group, a mover of its own (`Mover` of `resolve`): N rows of p parts.
+    """The parts of all robots of a group, which move by themselves: N rows of p parts (a `Mover` of `resolve`).
 
     Their poses follow from the joints, but are stored as well: so they are, to the bit, those that contact found free.
     """

@@ -391,6 +391,7 @@ def test_going_on_says_what_is_kept(tmp_path: Path) -> None:
         each.go_on()
     assert one.events()[-1]["text"] == "continued from here; what came after, up to 8.0 s, is kept"
     assert written.events()[-1]["text"].endswith(f"is kept in {tmp_path / 'run'}")
+    assert (one.can_go_back, written.can_go_back) == (True, False)
     with pytest.raises(am.AmorsimError, match="no later history"):
         written.go_back()
     written.close()

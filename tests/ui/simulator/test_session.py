@@ -413,6 +413,7 @@ def test_a_folder_is_written_as_it_goes(start: Make, tmp_path: Path) -> None:
     done(session, "reset")
     done(session, "step", steps=7)
     assert session.folder == str(tmp_path / "out-2")
+    assert done(session, "futures", robot="other")["can_go_back"] is False
     session.close()
     for name, steps in (("out", 25), ("out-2", 7)):
         outcome = am.reproduce(tmp_path / name)

@@ -24,7 +24,7 @@ table with ``ok``, and where that is false with ``error``, a text for the user. 
 | ``continue`` | ``tick`` |
 | ``replica`` | ``scene``: a `Scene`, of the replica |
 | ``go_back`` | ``tick`` of the end of the course of events that is taken up again |
-| ``futures`` | ``epoch``, ``number`` of the course that is played, ``others``: list of `Future` |
+| ``futures`` | ``epoch``, ``number`` of the course played, ``can_go_back`` to others, ``others``: list of `Future` |
 | ``drive`` | ``channels`` |
 | ``set`` | ``value`` |
 | ``places`` | ``project``, the folder's path; names in it that are free: ``run``, ``scenario`` |

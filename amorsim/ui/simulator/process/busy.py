@@ -35,7 +35,7 @@ class Busy:
         self._since, self._in_step = time.monotonic(), in_step
 
     def end(self) -> None:
-        """End with it."""
+        """Be idle again."""
         self._since, self._in_step = None, False
 
     def sign_of_life(self, patience: float) -> dict[str, Any]:

@@ -127,7 +127,8 @@ class Commands(Watching):
             }
             for other in player.others
         ]
-        return {"epoch": player.epoch, "number": player.number, "others": others}
+        facts: Answer = {"epoch": player.epoch, "number": player.number, "can_go_back": player.can_go_back}
+        return facts | {"others": others}
 
     def _forget(self, command: Table) -> None:
         self.player.forget(self._whole(command, "number"))

@@ -251,6 +251,11 @@ class Player(Simulated):
         """The courses of events that were left by going on from the past, at most `MOST_OTHERS`, the last one last."""
         return tuple(self._others)
 
+    @property
+    def can_go_back(self) -> bool:
+        """Whether one of the `others` can be taken up: not where the run is written as it goes."""
+        return self._writing.folder is None
+
     def forget(self, number: int) -> None:
         """Forget one of the `others`; raises an `AmorsimError` if there is none of this number."""
         self._others.remove(self._other(number))
@@ -271,7 +276,7 @@ class Player(Simulated):
         AmorsimError
             If it is not kept, or the run is written as it goes.
         """
-        if self._writing.folder is not None:
+        if not self.can_go_back:
             raise AmorsimError("there is no later history to go back to: the run is written as it goes")
         if not self._others:
             raise AmorsimError("there is no later history to go back to")

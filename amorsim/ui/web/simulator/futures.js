@@ -34,6 +34,8 @@ export class Futures {
     this.element = h("ul", { class: "futures", "aria-label": "other futures", hidden: true });
     /** @type {Future[]} */
     this.list = [];
+    /** Whether one of them can be played again. */
+    this.canGoBack = false;
     this.dt = 1;
     /** @type {HTMLElement[]} */
     this.words = [];
@@ -54,6 +56,7 @@ export class Futures {
     const said = await this.on.ask({ do: "futures", robot: robot.name, max_points: 3000 });
     if (!said.ok || !isStill()) return;
     this.dt = dt;
+    this.canGoBack = said.can_go_back;
     this.list = said.others.map((other) => {
       const record = new Record(robot);
       record.load(other, dt);
@@ -78,7 +81,9 @@ export class Futures {
           {},
           h("strong", {}, future.name),
           this.words[n],
-          h("button", { class: "tool", title: "play this one again, from its end", onclick: () => this.on.ask({ do: "go_back", number: future.number }) }, "take up"),
+          this.canGoBack
+            ? h("button", { class: "tool", title: "play this one again, from its end", onclick: () => this.on.ask({ do: "go_back", number: future.number }) }, "take up")
+            : null,
           h("button", { class: "tool", "aria-label": `forget ${future.name}`, title: "forget this one", onclick: () => this.forget(future) }, "×"),
         ),
       ),
