@@ -29,7 +29,17 @@ from amorsim.contracts.scenario_loader import ScenarioDocument, ScenarioLoader
 from amorsim.contracts.side import Side
 from amorsim.contracts.task import Observable, StepOutcome, Task, TrueState
 from amorsim.contracts.values import Aim, Beliefs, Clock, Estimate, LazyBeliefs, Measurement, State
-from amorsim.contracts.view import BodyStates, Emission, Emissions, FloorPoints, Lights, Neighbours, Sightings, View
+from amorsim.contracts.view import (
+    BodyStates,
+    Directions,
+    Emission,
+    Emissions,
+    FloorPoints,
+    Lights,
+    Neighbours,
+    Sightings,
+    View,
+)
 from amorsim.contracts.world_generator import WorldGenerator
 from amorsim.core.draws import Draws
 from amorsim.core.noise_steps import NoiseStep
@@ -44,6 +54,7 @@ __all__ = [
     "Context",
     "Controller",
     "ControllerBinding",
+    "Directions",
     "Draws",
     "Drive",
     "DriveBinding",

@@ -11,7 +11,24 @@ import numpy.typing as npt
 from amorsim.contracts.values import Array
 from amorsim.core.shapes import Shape
 
-__all__ = ["BodyStates", "Emission", "Emissions", "FloorPoints", "Lights", "Neighbours", "Sightings", "View"]
+__all__ = [
+    "BodyStates",
+    "Directions",
+    "Emission",
+    "Emissions",
+    "FloorPoints",
+    "Lights",
+    "Neighbours",
+    "Sightings",
+    "View",
+]
+
+
+class Directions(NamedTuple):
+    """Bearings of beams, in place of angles: arrays that keep their place, and may change from call to call."""
+
+    cos: Array  # (1 or M, k)
+    sin: Array
 
 
 class Emission(NamedTuple):
@@ -106,6 +123,10 @@ class View(Protocol):
     mount: Array  # (N, 3) true pose of the sensor's mount on the body
 
     @property
+    def has_company(self) -> bool:
+        """Whether there are robots or obstacles other than the row's own."""
+
+    @property
     def names(self) -> Sequence[str]:
         """The names of the rows' robots or obstacles, for messages."""
 
@@ -144,7 +165,7 @@ class View(Protocol):
     def bind_cast(
         self,
         origins: Array,
-        bearings: Array,
+        bearings: Array | Directions,
         range_max: Array,
         out: Array,
         traversal: str = "exact",
@@ -153,7 +174,8 @@ class View(Protocol):
     ) -> Callable[[], None]:
         """A function that writes what `cast` returns into `out` `(M, k)`, each time it is called; for `Sensor.bind`.
 
-        It keeps `origins` and `out`, which must keep their place, and takes the other arguments as they are now.
+        It keeps `origins`, `out` and `Directions`, which must keep their place, and takes the other arguments as they
+        are now.
         """
 
     def cone(self, origins: Array, half_angle: Array, range_max: Array, traversal: str = "exact") -> Array:
@@ -174,6 +196,11 @@ class View(Protocol):
         origins' headings. Where no wall is within `range_max` [m] `(N, 1)`, the bearing is that of the first ray, and
         the range inf. `half_angle` [rad] is `(N, 1)`.
         """
+
+    def bind_nearest_wall(
+        self, origins: Array, half_angle: Array, range_max: Array, rays: int, bearing: Array, out: Array
+    ) -> Callable[[], None]:
+        """A function that writes what `nearest_wall` returns into `bearing` and `out`, as `bind_cast` for `cast`."""
 
     def bodies(self) -> BodyStates:
         """Poses and twists of all bodies of each row's replica; `neighbours` is faster if there are many."""
@@ -230,6 +257,15 @@ class View(Protocol):
         that have a colour and a size. Without `landmarks`, things are bodies only, and the distances those of `cast`.
         """
 
+    def bind_look(
+        self, origins: Array, bearings: Array, limits: Array, out: Array, thing: npt.NDArray[np.int64]
+    ) -> Callable[[], None]:
+        """A function that writes what `look` returns without landmarks into `out` and `thing` `(M, k)`.
+
+        It keeps `origins`, and the `limits` `(M,)` [m] of their beams, too: a limit below 0 leaves an origin out, whose
+        beams then have any range and thing.
+        """
+
     def normals(
         self,
         origins: Array,
@@ -256,3 +292,6 @@ class View(Protocol):
 
     def emissions(self, medium: str) -> Emissions:
         """The emitters of all sensors with this `medium`, and which fire at this tick; for sensors, not motions."""
+
+    def bind_emissions(self, medium: str) -> Callable[[], Emissions]:
+        """A function that returns `emissions` for the sensor that binds it, in arrays of the engine's own."""

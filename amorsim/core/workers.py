@@ -11,8 +11,11 @@ import itertools
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
+from typing import TypeVar
 
-__all__ = ["Workers", "cores", "in_turn"]
+__all__ = ["Workers", "at_first_call", "cores", "in_turn"]
+
+T = TypeVar("T")
 
 LEAST_WORK = 8_000
 """Smaller work is not split: handing a slice to another thread takes up to 0.1 ms, and saves half of the work at most.
@@ -92,6 +95,18 @@ def in_turn(calls: Sequence[Callable[[], None]]) -> Callable[[], None]:
             call()
 
     return call_all
+
+
+def at_first_call(prepare: Callable[[], Callable[[], T]]) -> Callable[[], T]:
+    """The function that `prepare` returns, which is called only when the function is."""
+    prepared: list[Callable[[], T]] = []
+
+    def call() -> T:
+        if not prepared:
+            prepared.append(prepare())
+        return prepared[0]()
+
+    return call
 
 
 def _nothing() -> None:

@@ -58,14 +58,21 @@ def power(x: ArrayLike, exponent: ArrayLike) -> Floats:
 
 def _each(run: Callable[..., Any], *arguments: ArrayLike) -> Floats:
     """The result of a kernel for the arguments, broadcast to one shape."""
-    arrays = [np.asarray(argument, dtype=np.float64) for argument in arguments]
-    if len({array.shape for array in arrays}) > 1:
-        # Copies: what NumPy broadcasts without one cannot be written to, and warns kernels of it.
+    arrays = [np.asarray(argument, dtype=np.float64, order="C") for argument in arguments]
+    shape = arrays[0].shape
+    if any(array.shape != shape for array in arrays):
         shape = np.broadcast_shapes(*(array.shape for array in arrays))
-        arrays = [np.array(np.broadcast_to(array, shape), order="C") for array in arrays]
-    out = np.empty(arrays[0].shape)
-    run(*(np.ascontiguousarray(array).reshape(-1) for array in arrays), out.reshape(-1))
+        arrays = [_filled(array, shape) for array in arrays]
+    out = np.empty(shape)
+    run(*(array.reshape(-1) for array in arrays), out.reshape(-1))
     return out
+
+
+def _filled(array: Floats, shape: tuple[int, ...]) -> Floats:
+    """A copy broadcast to a shape: what NumPy broadcasts without one cannot be written to, and warns kernels of it."""
+    filled = np.empty(shape)
+    filled[...] = array
+    return filled
 
 
 @kernel

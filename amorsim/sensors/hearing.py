@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Emissions, View
-from amorsim.kernels import elementary
 from amorsim.kernels.sensing import acoustics, earshot
 
-__all__ = ["SOUND", "hear"]
+__all__ = ["SOUND", "bind_hearing"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -32,67 +32,70 @@ _BEYOND = 1.001  # times its length, a line is looked along: what blocks it is n
 _AHEAD = np.zeros((1, 1))
 
 
-def hear(
+def bind_hearing(
     view: View,
-    emissions: Emissions,
+    emissions: Callable[[], Emissions],
     receivers: Array,
     half_angle: Array,
     listens: Array,
     range_min: Array,
     range_max: Array,
-) -> Array:
-    """The ranges `(N, k)` [m] that sounds of other transducers, of this ring or others, would give; inf for silence.
+) -> Callable[[], Array]:
+    """A function of the ranges `(N, k)` [m] that sounds of other transducers, of this ring or others, would give.
 
-    Sound takes the shortest path. It goes straight from one transducer to another if each lies in the other's cone. Or
-    it reflects off a surface that both see within their cones, except surfaces of the emitting robot; on a flat wall
-    that is the mirror path. A transducer takes the sound for its own echo: it reads half the distance that sound
-    travels in the time since it fired itself. Nothing is heard below `range_min`, while the transducer still rings, nor
-    beyond `range_max`.
+    Inf for silence. Sound takes the shortest path. It goes straight from one transducer to another if each lies in the
+    other's cone. Or it reflects off a surface that both see within their cones, except surfaces of the emitting robot;
+    on a flat wall that is the mirror path. A transducer takes the sound for its own echo: it reads half the distance
+    that sound travels in the time since it fired itself. Nothing is heard below `range_min`, while the transducer still
+    rings, nor beyond `range_max`.
 
     Parameters
     ----------
     emissions
-        All emissions into the medium, from the listening sensor's view.
+        Returns all emissions into the medium, from the listening sensor's view.
     receivers
-        World poses `(N * k, 3)` of the elements.
+        World poses `(N * k, 3)` of the elements; they keep their place.
     half_angle, range_min, range_max
         `(N, 1)` [rad], [m], [m].
     listens
         Time `(N, k)` [s] after the tick at which each element fires and begins to listen.
     """
-    heard = np.full(listens.shape, np.inf)
     cones = np.concatenate((half_angle, range_min, range_max), axis=1)
     listeners = acoustics.Listeners(receivers, np.ascontiguousarray(listens), cones)
-    arrays: Any = map(np.ascontiguousarray, emissions)
-    emitters = acoustics.Emitters(*arrays)
-    rows, k = listens.shape
-    facing = _room(rows, k, emitters.time.shape[1])
-    look = np.empty(len(receivers), dtype=np.int64)
-    earshot.face(listeners, emitters, _FAN, SOUND, facing, look)
-    if facing.is_done.all():
+    bearings = half_angle[:1] * _FAN if (half_angle == half_angle[0]).all() else half_angle * _FAN
+    if len(bearings) > 1:
+        bearings = np.repeat(bearings, listens.shape[1], axis=0)
+    cast = np.empty((len(receivers), len(_FAN)))
+    surfaces = acoustics.Surfaces(bearings, cast, np.empty(cast.shape, dtype=np.int64), view.bodies().owner.copy())
+    limits = np.empty(len(receivers))
+    look = view.bind_look(receivers, bearings, limits, surfaces.ranges, surfaces.thing)
+    rooms: dict[int, acoustics.Facing] = {}
+
+    def hear() -> Array:
+        arrays: Any = map(np.ascontiguousarray, emissions())
+        emitters = acoustics.Emitters(*arrays)
+        count = emitters.time.shape[1]
+        if count not in rooms:
+            rooms[count] = _room(listens.shape, count, limits)
+        facing = rooms[count]
+        heard = np.full(listens.shape, np.inf)
+        earshot.face(listeners, emitters, _FAN, SOUND, facing)
+        if facing.is_done.all():
+            return heard
+        look()
+        sounds = _sounds(listeners, emitters, facing, surfaces)
+        begin = sounds.first[:-1].copy()
+        # Try sounds in order of arrival until each listener has one that nothing blocks.
+        for batch in itertools.chain(_BATCHES, itertools.repeat(_BATCHES[-1])):
+            wanted = acoustics.lines_wanted(sounds, begin, batch, facing.is_done)
+            if not wanted:
+                break
+            lines = _lines(wanted)
+            acoustics.lay_lines(listeners, emitters, facing, surfaces, sounds, begin, batch, _OFF, lines)
+            acoustics.take_free(sounds, begin, batch, _are_free(view, lines), facing.is_done, heard)
         return heard
-    surfaces = _surfaces(view, listeners, facing, look)
-    sounds = _sounds(listeners, emitters, facing, surfaces)
-    begin = sounds.first[:-1].copy()
-    # Try sounds in order of arrival until each listener has one that nothing blocks.
-    for batch in itertools.chain(_BATCHES, itertools.repeat(_BATCHES[-1])):
-        wanted = acoustics.lines_wanted(sounds, begin, batch, facing.is_done)
-        if not wanted:
-            break
-        lines = _lines(wanted)
-        acoustics.lay_lines(listeners, emitters, facing, surfaces, sounds, begin, batch, _OFF, lines)
-        acoustics.take_free(sounds, begin, batch, _are_free(view, lines), facing.is_done, heard)
-    return heard
 
-
-def _surfaces(view: View, listeners: acoustics.Listeners, facing: acoustics.Facing, look: Ints) -> acoustics.Surfaces:
-    """Where the rays of cones end that may carry a sound: of listeners with a `look` `(M,)`."""
-    which = np.flatnonzero(look >= 0)
-    row = which // listeners.listens.shape[1]
-    half = listeners.cones[:, :1]
-    bearings = half[:1] * _FAN if (half == half[0]).all() else half[row] * _FAN
-    ranges, met = view.look(listeners.poses[which], bearings, facing.limit[which, 1:], landmarks=False, row=row)
-    return acoustics.Surfaces(bearings, ranges, _owners(view, met), look)
+    return hear
 
 
 def _sounds(
@@ -118,10 +121,11 @@ def _are_free(view: View, lines: acoustics.Lines) -> npt.NDArray[np.bool_]:
     Bodies are compared by number, not by place: an emitter at the rim of its carrier is as far away as the rim, up to
     rounding.
     """
-    lines.poses[:, 2] = elementary.arctan2(lines.ahead[:, 1], lines.ahead[:, 0])
     length = np.hypot(lines.ahead[:, :1], lines.ahead[:, 1:])
     limit = length * _BEYOND + _OFF
     is_free = view.cast(lines.poses, _AHEAD, limit, bodies=False, row=lines.row) >= length
+    if not view.has_company:
+        return is_free[:, 0]
     # In a building walls block most lines; bodies are looked for along the others only.
     which = np.flatnonzero(is_free)
     reach, met = view.look(lines.poses[which], _AHEAD, limit[which], landmarks=False, row=lines.row[which])
@@ -136,13 +140,15 @@ def _owners(view: View, met: Ints) -> Ints:
     return np.where(met >= 0, view.bodies().owner[met], -1)
 
 
-def _room(rows: int, k: int, emitters: int) -> acoustics.Facing:
+def _room(shape: tuple[int, ...], emitters: int, limits: Array) -> acoustics.Facing:
+    rows, count = shape[0], shape[0] * shape[1]
     return acoustics.Facing(
-        axes=np.empty((rows * k, 3)),
+        axes=np.empty((count, 3)),
         emitter_axes=np.empty((rows, emitters, 4)),
-        hears=np.empty((rows * k, emitters), dtype=np.bool_),
-        limit=np.empty((rows * k, 2)),
-        is_done=np.empty(rows * k, dtype=np.bool_),
+        hears=np.empty((count, emitters), dtype=np.bool_),
+        nearest=np.empty(count),
+        limit=limits,
+        is_done=np.empty(count, dtype=np.bool_),
     )
 
 

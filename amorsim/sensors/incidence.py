@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import View
+from amorsim.contracts import Directions, View
 from amorsim.core.poses import wrap_angle
-from amorsim.kernels import elementary
 from amorsim.kernels.sensing import slopes
 
-__all__ = ["PATCH", "incidence", "nearest_incidence"]
+__all__ = ["PATCH", "bind_incidence", "bind_nearest_incidence"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -31,45 +32,63 @@ _CLOSER_FAN = np.linspace(-1.0, 1.0, 31)[None, :]
 _BODY_FAN = np.linspace(-1.0, 1.0, 601)[None, :]
 _BODY_STEP = 2.0 / 600.0  # from one of these to the next
 
+_NONE: Ints = np.empty(0, dtype=np.int64)
 _EVEN = 3.0  # a probe this many times farther than the other is on another surface: an edge, or a corner's far side
 
 
-def incidence(view: View, origins: Array, bearings: Array, ranges: Array, range_max: Array) -> Array:
-    """Angles [rad] `(M, k)` in [0, pi / 2] between beams and the normals of surfaces; 0 where nothing returned.
+def bind_incidence(view: View, origins: Array, bearings: Array, ranges: Array, range_max: Array) -> Callable[[], Array]:
+    """A function of the angles [rad] `(M, k)` in [0, pi / 2] between beams and the normals of surfaces.
 
-    The normal is that of what was hit: of a robot or an obstacle, of its shape at that point; of a wall, see `PATCH`.
+    0 where nothing returned. The normal is that of what was hit: of a robot or an obstacle, of its shape at that point;
+    of a wall, see `PATCH`.
 
     Parameters
     ----------
     view
         The world; `origins` are world poses `(M, 3)`, the same number for each of its rows.
     bearings, ranges
-        `(1, k)` or `(M, k)` [rad] from the origins' headings, and the ranges `(M, k)` [m] found there.
+        `(1, k)` or `(M, k)` [rad] from the origins' headings, and the ranges `(M, k)` [m] found there. All arrays keep
+        their place.
     range_max
         Longest range `(N, 1)` [m]; nothing returns beyond it.
     """
-    _, body = view.look(origins, bearings, range_max, landmarks=False)
-    of_walls = _wall_incidence(view, origins, bearings, ranges, range_max)
-    if (body < 0).all():
+    of_walls = _bind_wall_incidence(view, origins, bearings, ranges, range_max)
+    if not view.has_company:
         return of_walls
-    of_bodies = _body_incidence(view, origins, bearings, body)
-    return np.where(np.isfinite(ranges) & (body >= 0), of_bodies, of_walls)
+
+    def incidence() -> Array:
+        _, body = view.look(origins, bearings, range_max, landmarks=False)
+        if (body < 0).all():
+            return of_walls()
+        of_bodies = _body_incidence(view, origins, bearings, body)
+        return np.where(np.isfinite(ranges) & (body >= 0), of_bodies, of_walls())
+
+    return incidence
 
 
-def nearest_incidence(view: View, origins: Array, half_angle: Array, range_max: Array) -> Array:
-    """Angles of incidence [rad] `(N, m)` at the nearest return of each cone; 0 where nothing returns.
+def bind_nearest_incidence(view: View, origins: Array, half_angle: Array, range_max: Array) -> Callable[[], Array]:
+    """A function of the angles of incidence [rad] `(N, m)` at the nearest return of each cone; 0 where there is none.
 
-    `origins` are world poses `(N * m, 3)` of cones, `half_angle` [rad] and `range_max` [m] `(N, 1)`.
+    `origins`, which keep their place, are world poses `(N * m, 3)` of cones; `half_angle` [rad] and `range_max` [m] are
+    `(N, 1)`.
     """
-    per_row = len(origins) // view.rows
-    bearing, nearest = (of.reshape(-1, 1) for of in view.nearest_wall(origins, half_angle, range_max, _WALL_RAYS))
-    found = _wall_incidence(view, origins, bearing, nearest, range_max)
-    which = _near_bodies(view, origins, half_angle, range_max, nearest)
-    if len(which):
-        row = which // per_row
-        of_bodies, reach = _nearest_bodies(view, origins[which], half_angle[row], range_max[row], row)
-        found[which] = np.where(reach < nearest[which], of_bodies, found[which])
-    return found.reshape(view.rows, per_row)
+    shape = view.rows, len(origins) // view.rows
+    bearings, ranges = np.empty(shape), np.empty(shape)
+    find = view.bind_nearest_wall(origins, half_angle, range_max, _WALL_RAYS, bearings, ranges)
+    nearest = ranges.reshape(-1, 1)
+    of_walls = _bind_wall_incidence(view, origins, bearings.reshape(-1, 1), nearest, range_max)
+
+    def incidence() -> Array:
+        find()
+        found = of_walls()
+        which = _near_bodies(view, origins, half_angle, range_max, nearest) if view.has_company else _NONE
+        if len(which):
+            row = which // shape[1]
+            of_bodies, reach = _nearest_bodies(view, origins[which], half_angle[row], range_max[row], row)
+            found[which] = np.where(reach < nearest[which], of_bodies, found[which])
+        return found.reshape(shape)
+
+    return incidence
 
 
 def _near_bodies(view: View, origins: Array, half_angle: Array, range_max: Array, nearest: Array) -> Ints:
@@ -116,17 +135,24 @@ def _body_incidence(view: View, origins: Array, bearings: Array, body: Ints, row
     return np.where(np.isnan(normal), 0.0, np.minimum(between, np.pi / 2.0))
 
 
-def _wall_incidence(view: View, origins: Array, bearings: Array, ranges: Array, range_max: Array) -> Array:
-    """Angles [rad] `(M, k)` between beams and the walls that they meet, as `incidence` gives them.
+def _bind_wall_incidence(
+    view: View, origins: Array, bearings: Array, ranges: Array, range_max: Array
+) -> Callable[[], Array]:
+    """A function of the angles [rad] `(M, k)` between beams and the walls that they meet, as in `bind_incidence`.
 
     Two probes are cast close to each beam, to meet the wall `PATCH` away. The wall's line goes through their ends. If
     one probe passes an edge, the line goes through the nearer end and the beam's own end. Bodies do not block probes.
     """
-    turn = elementary.arctan2(PATCH, np.where(np.isfinite(ranges), ranges, 1.0))
+    shape = len(ranges), 2 * ranges.shape[1]
+    towards, probes = Directions(np.empty(shape), np.empty(shape)), np.empty(shape)
     # A probe may be longer than the beam: a slanted wall continues beyond the range of view.
-    probes = view.cast(
-        origins, np.concatenate((bearings + turn, bearings - turn), axis=1), 2.0 * range_max, bodies=False
-    )
-    along, across = np.empty(ranges.shape), np.empty(ranges.shape)
-    slopes.along_walls(ranges, turn, probes, _EVEN, along, across)
-    return elementary.arctan2(np.abs(along), np.abs(across))
+    cast = view.bind_cast(origins, towards, 2.0 * range_max, probes, bodies=False)
+
+    def incidence() -> Array:
+        slopes.probe(bearings, ranges, PATCH, *towards)
+        cast()
+        found = np.empty(ranges.shape)
+        slopes.incidences(ranges, probes, PATCH, _EVEN, found)
+        return found
+
+    return incidence

@@ -13,9 +13,9 @@ import numpy.typing as npt
 
 from amorsim.contracts import Aim, Draws, Drive, Sensor, SensorBinding, Side, State, View, parameter
 from amorsim.core.parameters import ParameterError
-from amorsim.core.workers import in_turn
+from amorsim.core.workers import at_first_call, in_turn
 from amorsim.kernels.sensing import readings
-from amorsim.sensors.incidence import incidence
+from amorsim.sensors.incidence import bind_incidence
 from amorsim.sensors.sweep import poses_at
 
 __all__ = ["Laser"]
@@ -93,7 +93,7 @@ class Laser(Sensor):
         cast = at.view.bind_cast(at.pose, bearings, range_max, ranges, self.traversal)
         blank = functools.partial(readings.blank_near, ranges, self.range_min, at.out)
         view, origins = at.view, at.pose
-        at.sides["incidence"] = lambda: incidence(view, origins, bearings, ranges, range_max)
+        at.sides["incidence"] = at_first_call(lambda: bind_incidence(view, origins, bearings, ranges, range_max))
         return in_turn([cast, blank])
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
@@ -111,7 +111,7 @@ class Laser(Sensor):
             origins = poses_at(view, np.repeat(origins, self.beams, axis=0), aim.time)
             bearings = np.array(np.broadcast_to(bearings, shape)).reshape(-1, 1)
         ranges = view.cast(origins, bearings, range_max, self.traversal)
-        side = Side(incidence=lambda: incidence(view, origins, bearings, ranges, range_max).reshape(shape))
+        side = Side(incidence=lambda: bind_incidence(view, origins, bearings, ranges, range_max)().reshape(shape))
         shown = np.empty(shape)
         readings.blank_near(ranges.reshape(shape), self.range_min, shown)
         return shown, side

@@ -13,10 +13,10 @@ import numpy.typing as npt
 
 from amorsim.contracts import Aim, Draws, Drive, Emission, Mount, Sensor, SensorBinding, Side, State, View, parameter
 from amorsim.core.parameters import ParameterError
-from amorsim.core.workers import in_turn
+from amorsim.core.workers import at_first_call, in_turn
 from amorsim.kernels.sensing import readings
-from amorsim.sensors.hearing import hear
-from amorsim.sensors.incidence import nearest_incidence
+from amorsim.sensors.hearing import bind_hearing
+from amorsim.sensors.incidence import bind_nearest_incidence
 from amorsim.sensors.response import ring_poses
 
 __all__ = ["Sonar"]
@@ -98,18 +98,17 @@ class Sonar(Sensor):
         return np.array([[element.heading for element in elements]])
 
     def bind(self, at: SensorBinding) -> Callable[[], None]:
-        """Search the cones on the engine's own arrays, unless something bends them or other sonars are heard."""
-        if at.aim is not None or self.medium:
+        """Search the cones on the engine's own arrays, unless something bends them."""
+        if at.aim is not None:
             return super().bind(at)
         ring: Any = self.elements
-        half_angle: Any = self.half_angle
-        range_max: Any = self.range_max
         origins = np.empty((ring.x.size, 3))
         place = functools.partial(readings.place_ring, at.pose, ring.x, ring.y, ring.heading, origins)
+        half_angle: Any = self.half_angle
+        range_max: Any = self.range_max
         look = at.view.bind_cone(origins, half_angle, range_max, at.out, self.traversal)
         ring_down = functools.partial(np.maximum, at.out, self.range_min, out=at.out)
-        view = at.view
-        at.sides["incidence"] = lambda: nearest_incidence(view, origins, half_angle, range_max)
+        at.sides.update({name: at_first_call(bind) for name, bind in self._sides(at.view, origins).items()})
         return in_turn([place, look, ring_down])
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
@@ -121,15 +120,22 @@ class Sonar(Sensor):
         half_angle: Any = self.half_angle
         range_max: Any = self.range_max
         ranges = view.cone(origins, half_angle, range_max, self.traversal)
-        makers: dict[str, Callable[[], Array]] = {
-            "incidence": lambda: nearest_incidence(view, origins, half_angle, range_max)
+        sides = {name: at_first_call(bind) for name, bind in self._sides(view, origins).items()}
+        return np.maximum(ranges, self.range_min), Side(**sides)
+
+    def _sides(self, view: View, origins: Array) -> dict[str, Callable[[], Callable[[], Array]]]:
+        """What a chain may need, by name: each a function that binds it, for elements at `origins`."""
+        half_angle: Any = self.half_angle
+        near: Any = self.range_min
+        far: Any = self.range_max
+        sides: dict[str, Callable[[], Callable[[], Array]]] = {
+            "incidence": lambda: bind_nearest_incidence(view, origins, half_angle, far)
         }
         if self.medium:
-            near: Any = self.range_min
             turns = self._turns(view.rows)
-            emissions = view.emissions(self.medium)  # now, while the view is this sensor's
-            makers["heard"] = lambda: hear(view, emissions, origins, half_angle, turns, near, range_max)
-        return np.maximum(ranges, self.range_min), Side(**makers)
+            emissions = view.bind_emissions(self.medium)  # now, while the view is this sensor's
+            sides["heard"] = lambda: bind_hearing(view, emissions, origins, half_angle, turns, near, far)
+        return sides
 
     def emit(self, view: View, state: State) -> Emission | None:
         """All elements, each in its turn."""

@@ -2,56 +2,81 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
+import numpy.typing as npt
 
 from amorsim.contracts import Emission
 from amorsim.core.error_text import RAISED
 from amorsim.simulation.error_context import array_problem
 from amorsim.simulation.group import Group
+from amorsim.simulation.sensing.device import Device
 from amorsim.simulation.world.world import Emitted, World
 
-__all__ = ["collect", "emission_problem"]
+__all__ = ["bind_emitters", "emission_problem"]
+
+Ints = npt.NDArray[np.int64]
 
 
-def collect(groups: list[Group], world: World) -> None:
-    """Put into ``world.emissions`` what every sensor with a medium emits."""
-    by_medium: dict[str, list[Emitted]] = {}
+def bind_emitters(groups: Sequence[Group], world: World) -> Callable[[], None]:
+    """A function that puts into ``world.emissions`` what every sensor with a medium emits at this tick."""
+    by_medium: dict[str, list[_Source]] = {}
     for group in groups:
         for name, unit in group.sensors.items():
-            medium = unit.sensor.medium
-            if not medium:
-                continue
-            try:
-                emitted = unit.sensor.emit(unit.look(), unit.state)
-                if emitted is None:
-                    raise group.whose.wrong(
-                        f"sensor {name!r}",
-                        unit.sensor,
-                        f"it has the medium {medium!r}, but emit() gave nothing; expected poses, half angles and "
-                        "whether each emitter fires",
-                    )
-                said_here = Emission(*emitted)
-            except RAISED as error:
-                unit.blame(error)
-            if problem := emission_problem(said_here, group.rows):
-                raise group.whose.wrong(f"sensor {name!r}", unit.sensor, problem)
-            poses, half_angle, fired, time = said_here
-            due, _ = unit.due()
-            fired = fired & due
-            replicas, each = len(world.first) - 1, poses.shape[1]
-            body = np.repeat(group.bodies[:, None], each, axis=1)
-            by_medium.setdefault(medium, []).append(
-                # A group has the same robots in every replica, in order of replica.
-                Emitted(
-                    poses=poses.reshape(replicas, -1, 3),
-                    half_angle=half_angle.reshape(replicas, -1),
-                    fired=fired.reshape(replicas, -1),
-                    time=(np.zeros(fired.shape) if time is None else time).reshape(replicas, -1),
-                    body=body.reshape(replicas, -1),
-                    sensor=np.full(body.size // replicas, name),
+            if unit.sensor.medium:
+                by_medium.setdefault(unit.sensor.medium, []).append(_Source(group, name, unit, len(world.first) - 1))
+
+    def collect() -> None:
+        world.emissions = {
+            medium: _joined([source.emitted() for source in sources]) for medium, sources in by_medium.items()
+        }
+
+    return collect
+
+
+class _Source:
+    """A sensor of a group that emits."""
+
+    def __init__(self, group: Group, name: str, unit: Device, replicas: int) -> None:
+        self._group, self._name, self._unit, self._replicas = group, name, unit, replicas
+        self._carried: tuple[Ints, npt.NDArray[np.str_]] | None = None
+
+    def emitted(self) -> Emitted:
+        """What it emits now, by replica."""
+        group, name, unit, replicas = self._group, self._name, self._unit, self._replicas
+        try:
+            emitted = unit.sensor.emit(unit.look(), unit.state)
+            if emitted is None:
+                raise group.whose.wrong(
+                    f"sensor {name!r}",
+                    unit.sensor,
+                    f"it has the medium {unit.sensor.medium!r}, but emit() gave nothing; expected poses, half angles "
+                    "and whether each emitter fires",
                 )
-            )
-    world.emissions = {medium: _joined(parts) for medium, parts in by_medium.items()}
+            poses, half_angle, fired, time = emission = Emission(*emitted)
+        except RAISED as error:
+            unit.blame(error)
+        if problem := emission_problem(emission, group.rows):
+            raise group.whose.wrong(f"sensor {name!r}", unit.sensor, problem)
+        due, _ = unit.due()
+        fired = fired & due
+        # A group has the same robots in every replica, in order of replica.
+        return Emitted(
+            poses.reshape(replicas, -1, 3),
+            half_angle.reshape(replicas, -1),
+            fired.reshape(replicas, -1),
+            (np.zeros(fired.shape) if time is None else time).reshape(replicas, -1),
+            *self._carriers(poses.shape[1]),
+        )
+
+    def _carriers(self, each: int) -> tuple[Ints, npt.NDArray[np.str_]]:
+        """The bodies that carry its emitters, and the sensor's name for each, of as many in each row."""
+        known = self._carried
+        if known is None or known[0].size != self._group.rows * each:
+            body = np.repeat(self._group.bodies, each).reshape(self._replicas, -1)
+            known = self._carried = body, np.full(body.shape[1], self._name)
+        return known
 
 
 def emission_problem(emission: Emission, rows: int) -> str:

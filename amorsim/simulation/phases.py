@@ -11,7 +11,7 @@ import numpy.typing as npt
 from amorsim.core.errors import AmorsimError
 from amorsim.simulation.contact.contact_ends import still_near
 from amorsim.simulation.contact.resolve import WALL, Contact
-from amorsim.simulation.emissions import collect
+from amorsim.simulation.emissions import bind_emitters
 from amorsim.simulation.error_context import is_finite
 from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.group import Group
@@ -59,7 +59,7 @@ def _calls(fleet: Fleet) -> Iterator[Call]:
     for group in groups:
         yield from group.place_calls()
     if fleet.has_emitters:
-        yield Call("sense", "emitters", functools.partial(collect, groups, fleet.world))
+        yield Call("sense", "emitters", bind_emitters(groups, fleet.world))
     for group in groups:
         yield from group.sense_calls()
     for group in groups:

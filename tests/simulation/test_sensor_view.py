@@ -174,6 +174,57 @@ def test_cones_of_different_widths_are_those_of_their_rays() -> None:
     am.Simulation(scenario, replicas=3).step()
 
 
+def test_a_bound_question_is_answered_from_arrays_as_they_are_now() -> None:
+    def ask(view: Any, aim: Any) -> Any:
+        origins = np.repeat(view.pose, 2, axis=0)
+        for beams in (2, 41):
+            fan = np.linspace(-1.0, 1.0, beams)[None, :]
+            towards = am.contracts.Directions(np.empty((6, beams)), np.empty((6, beams)))
+            shape, limits = (6, beams), np.array([5.0, -1.0, 1.0, 8.0, 2.0, -1.0])
+            ranges, thing = np.empty(shape), np.empty(shape, dtype=np.int64)
+            cast, walls, bearing, nearest = np.empty(shape), np.empty(shape), np.empty((3, 2)), np.empty((3, 2))
+            calls = (
+                view.bind_look(origins, fan, limits, ranges, thing),
+                view.bind_cast(origins, towards, 5.0, cast),
+                view.bind_cast(origins, towards, 5.0, walls, bodies=False),
+                view.bind_nearest_wall(origins, 0.3, 5.0, 31, bearing, nearest),
+            )
+            for turn in (0.0, 0.9):
+                origins[:, 2] += turn
+                limits[:] = limits[::-1].copy()
+                bearings = fan + turn * np.arange(6)[:, None]
+                towards.cos[...], towards.sin[...] = np.cos(bearings), np.sin(bearings)
+                for call in calls:
+                    call()
+                seen = limits >= 0.0
+                expected = view.look(origins[seen], fan, limits[seen, None], False, row=np.arange(6)[seen] // 2)
+                np.testing.assert_array_equal(ranges[seen], expected[0])
+                np.testing.assert_array_equal(thing[seen], expected[1])
+                assert beams == 2 or set(thing[seen].ravel()) == {-1, 1}
+                np.testing.assert_array_equal(cast, view.cast(origins, bearings, 5.0))
+                np.testing.assert_array_equal(walls, view.cast(origins, bearings, 5.0, bodies=False))
+                assert beams == 2 or (cast < walls).any()
+                for mine, again in zip((bearing, nearest), view.nearest_wall(origins, 0.3, 5.0, 31), strict=True):
+                    np.testing.assert_array_equal(mine, again)
+        return nearest[:, :1]
+
+    sensors = {"encoder": building.encoder(), "asks": Asks(ask=ask)}
+    robot = building.robot(sensors=sensors, pose=am.Pose(x=1.0, y=1.0))
+    post = am.Obstacle(name="post", shape=am.Shape.circle(0.4), pose=am.Pose(x=2.0, y=1.6))
+    scenario = attrs.evolve(building.scenario(robot, map=building.room(6.0, 6.0)), obstacles=[post])
+    am.Simulation(scenario, replicas=3).step()
+
+
+@pytest.mark.parametrize("beams", [1, 41])
+def test_nothing_is_looked_for_below_a_range_of_nought(beams: int) -> None:
+    def ask(view: Any, aim: Any) -> Any:
+        below = view.cast(view.pose, np.linspace(-1.0, 1.0, beams)[None, :], np.array([[-1.0]]), bodies=False)
+        assert (below == np.inf).all()
+        return below[:, :1]
+
+    look(ask)
+
+
 def test_neighbours_are_the_bodies_near_in_each_replica_by_itself() -> None:
     """A trailer of one's own is none; a fast one is, when asked ahead, from farther away."""
     asked: list[Any] = []

@@ -291,7 +291,7 @@ def cast(
     cos_b, sin_b
         (B, k), B = 1 or N: cosine and sine of the beams' bearings from the heading.
     range_max
-        (R,), R = 1 or N [m].
+        (R,), R = 1 or N [m]; below 0 nothing is looked for, and all is inf.
     out
         (N, k): 0 from an occupied cell or from outside the map, inf where nothing is within the range, and
         nan where a pose or a bearing is.
@@ -301,11 +301,14 @@ def cast(
     width = grid.cols * grid.resolution
     height = grid.rows * grid.resolution
     for n in range(poses.shape[0]):
+        reach = range_max[n if range_max.shape[0] > 1 else 0]
+        if reach < 0.0:
+            out[n] = np.inf
+            continue
         x, y = to_frame(poses[n, 0], poses[n, 1], origin_x, origin_y, cos_yaw, sin_yaw)
         heading = poses[n, 2] - yaw
         cos_h = math.cos(heading)
         sin_h = math.sin(heading)
-        reach = range_max[n if range_max.shape[0] > 1 else 0]
         b = n if cos_b.shape[0] > 1 else 0
         is_nan = x != x or y != y or cos_h != cos_h
         inside = 0.0 <= x < width and 0.0 <= y < height

@@ -373,7 +373,7 @@ def cast_scans(
     order, cos_s, sin_s, starts
         What `sorted_beams` returns for the (B, k) beams, B = 1 or N.
     range_max
-        (R,), R = 1 or N [m].
+        (R,), R = 1 or N [m]; below 0 nothing is looked for, and all is inf.
     out
         (N, k): 0 from an occupied cell or from outside the map, inf where nothing is within the range, and
         nan where a pose or a bearing is.
@@ -393,9 +393,12 @@ def cast_scans(
         np.empty(_ROOM, dtype=np.int64),
     )
     for n in range(poses.shape[0]):
+        reach = range_max[n if range_max.shape[0] > 1 else 0]
+        if reach < 0.0:
+            out[n] = np.inf
+            continue
         x, y = to_frame(poses[n, 0], poses[n, 1], origin_x, origin_y, cos_yaw, sin_yaw)
         heading = poses[n, 2] - yaw
-        reach = range_max[n if range_max.shape[0] > 1 else 0]
         b = n if order.shape[0] > 1 else 0
         beams = SortedBeams(order[b], cos_s[b], sin_s[b], starts[b], scale)
         _cast_scan(grid, lines, x, y, heading, reach, beams, room, out[n])

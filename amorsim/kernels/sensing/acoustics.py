@@ -79,23 +79,25 @@ class Facing(NamedTuple):
     """(N, e, 4): the same of the emitters, and the sine of half the angle."""
     hears: Bools
     """(M, e): which emitters a listener may hear."""
+    nearest: Floats
+    """(M,): the least distance [m] of a surface by which a listener can hear anything."""
     limit: Floats
-    """(M, 2): the least and the largest distance [m] of a surface by which a listener can hear anything."""
+    """(M,): the largest such distance; below 0 of a cone without surfaces that count."""
     is_done: Bools
     """(M,): whether a listener has heard all there is to hear."""
 
 
 class Surfaces(NamedTuple):
-    """Where the rays of cones end, f of each of L looks; looks are in order of listener."""
+    """Where the rays of the listeners' cones end, f of each; of no use where ``Facing.limit`` is below 0."""
 
     bearings: Floats
-    """(1 or L, f): of the rays, from the listener's heading [rad]."""
+    """(1 or M, f): of the rays, from the listener's heading [rad]."""
     ranges: Floats
-    """(L, f) [m]; inf for nowhere."""
+    """(M, f) [m]; inf for nowhere."""
+    thing: Ints
+    """(M, f): the body hit; -1 for a wall or nothing."""
     owner: Ints
-    """(L, f): the body hit, for a robot's part the body of its robot; -1 for a wall or nothing."""
-    look: Ints
-    """(M,): the look of each listener; -1 for none."""
+    """(B,): of each body, the body of the robot that it is a part of, or itself."""
 
 
 class Sounds(NamedTuple):
@@ -115,7 +117,7 @@ class Lines(NamedTuple):
     row: Ints
     """(P,): the row that hears it."""
     poses: Floats
-    """(P, 3): where each begins; the heading is to be filled in."""
+    """(P, 3): where each begins, looking along it."""
     ahead: Floats
     """(P, 2): from there to the emitter [m]."""
     carrier: Ints
@@ -131,9 +133,8 @@ def _is_within(dx: float, dy: float, way: float, cos: float, sin: float, edge: f
 @part
 def _end_of(listeners: Listeners, surfaces: Surfaces, m: int, f: int) -> tuple[float, float]:
     """Where ray f of a listener's cone ends."""
-    look = surfaces.look[m]
-    reach = surfaces.ranges[look, f]
-    angle = listeners.poses[m, 2] + surfaces.bearings[look if surfaces.bearings.shape[0] > 1 else 0, f]
+    reach = surfaces.ranges[m, f]
+    angle = listeners.poses[m, 2] + surfaces.bearings[m if surfaces.bearings.shape[0] > 1 else 0, f]
     return listeners.poses[m, 0] + reach * math.cos(angle), listeners.poses[m, 1] + reach * math.sin(angle)
 
 
@@ -161,10 +162,10 @@ def sounds_in_order(
             continue
         least, most = listeners.cones[n, 1], listeners.cones[n, 2]
         x, y = listeners.poses[m, 0], listeners.poses[m, 1]
-        ear, look = facing.axes[m], surfaces.look[m]
-        for f in range(rays if look >= 0 else 0):
+        ear, looks = facing.axes[m], facing.limit[m] >= 0.0
+        for f in range(rays if looks else 0):
             end_x[f], end_y[f] = math.nan, math.nan
-            if facing.limit[m, 0] <= surfaces.ranges[look, f] < math.inf:
+            if facing.nearest[m] <= surfaces.ranges[m, f] < math.inf:
                 end_x[f], end_y[f] = _end_of(listeners, surfaces, m, f)
         for i in range(emitters.poses.shape[1]):
             if not facing.hears[m, i]:
@@ -185,10 +186,10 @@ def sounds_in_order(
                     if found < room:
                         sounds.reading[found], sounds.number[found] = reading, number + DIRECT
                     found += 1
-            if look < 0:
+            if not looks:
                 continue
             # All rays at once, in a loop without a branch.
-            reach = surfaces.ranges[look]
+            reach = surfaces.ranges[m]
             for f in range(rays):
                 dx, dy = end_x[f] - ex, end_y[f] - ey
                 last = math.sqrt(dx * dx + dy * dy)
@@ -197,7 +198,10 @@ def sounds_in_order(
                 counts = (dx * cos + dy * sin >= last * edge) & (reading >= least) & (reading <= most)
                 readings[f] = reading if counts else math.inf
             for f in range(rays):
-                if readings[f] < math.inf and surfaces.owner[look, f] != emitters.body[n, i]:
+                if readings[f] < math.inf:
+                    thing = surfaces.thing[m, f]
+                    if thing >= 0 and surfaces.owner[thing] == emitters.body[n, i]:
+                        continue
                     if found < room:
                         sounds.reading[found], sounds.number[found] = readings[f], number + f + 1
                     found += 1
@@ -258,9 +262,9 @@ def lay_lines(
             part_of = min(off / (way if way > 0.0 else 1.0), 1.0)
             px, py = px + back_x * part_of, py + back_y * part_of
             lines.row[at] = n
-            lines.poses[at, 0], lines.poses[at, 1] = px, py
-            lines.ahead[at, 0] = emitters.poses[n, i, 0] - px
-            lines.ahead[at, 1] = emitters.poses[n, i, 1] - py
+            ahead_x, ahead_y = emitters.poses[n, i, 0] - px, emitters.poses[n, i, 1] - py
+            lines.poses[at, 0], lines.poses[at, 1], lines.poses[at, 2] = px, py, math.atan2(ahead_y, ahead_x)
+            lines.ahead[at, 0], lines.ahead[at, 1] = ahead_x, ahead_y
             lines.carrier[at] = emitters.body[n, i]
             at += 1
 

@@ -113,16 +113,14 @@ def _crosses(dx: float, dy: float, limit: float, of: Floats) -> bool:
 
 
 @kernel
-def face(listeners: Listeners, emitters: Emitters, fan: Floats, speed: float, facing: Facing, look: Ints) -> int:
+def face(listeners: Listeners, emitters: Emitters, fan: Floats, speed: float, facing: Facing) -> None:
     """Find the emitters that listeners may hear, the cones that may carry a sound, and the listeners that hear none.
 
     A cone is left out only if no sound via the end of any of its rays could count. `fan` (f,) gives a cone's rays in
-    fractions of half its angle, `speed` is that of sound [m/s]. `look` (M,) gets the number of each cone among those
-    that are looked along, -1 for the others. Returns the number L of these.
+    fractions of half its angle, `speed` is that of sound [m/s].
     """
     rows, k = listeners.listens.shape
     count = emitters.poses.shape[1]
-    looks = 0
     near = np.empty((count, _COLUMNS))
     edges = np.empty((3, 2))
     itself = np.empty(k, dtype=np.int64)  # which emitter each listener of a row is
@@ -178,15 +176,12 @@ def face(listeners: Listeners, emitters: Emitters, fan: Floats, speed: float, fa
                 facing.hears[m, i] = True
                 candidates += 1
             facing.is_done[m] = candidates == 0
-            facing.limit[m, 0], facing.limit[m, 1] = nearest, limit
-            look[m] = -1
+            facing.nearest[m], facing.limit[m] = nearest, -1.0
             for f in range(fan.shape[0] if candidates else 0):
                 dx, dy = direction(axes[0], axes[1], cosines[f], sines[f])
                 for c in range(candidates):
                     if _crosses(dx, dy, limit, near[c]):
-                        look[m] = looks
+                        facing.limit[m] = limit
                         break
-                if look[m] >= 0:
-                    looks += 1
+                if facing.limit[m] >= 0.0:
                     break
-    return looks

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from amorsim.kernels.compile import kernel, part
 
-__all__ = ["along_walls", "bodies_in_cones", "nearest_rays"]
+__all__ = ["bodies_in_cones", "incidences", "nearest_rays", "probe"]
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -43,41 +43,61 @@ def _end(reach: float, turn: float, ahead: float) -> tuple[float, float, float]:
 
 
 @kernel
-def along_walls(ranges: Floats, turn: Floats, probes: Floats, even: float, along: Floats, across: Floats) -> None:
-    """How far walls go along beams, and across them, between two places close to where each beam ends [m].
+def probe(bearings: Floats, ranges: Floats, patch: float, cos: Floats, sin: Floats) -> None:
+    """Write the directions (M, 2 k) of two probes for each beam, on its left and its right: first all on the left.
 
-    The angle of incidence is the arc tangent of their sizes. The places are where probes end, to either side of the
-    beam; or the nearer probe's end and the beam's, where one is more than `even` times as far from the beam's end as
-    the other, and so lies on another surface. 0 and 1 where the beam ends nowhere, or both probes do.
+    They meet a wall across the beam's end so far `patch` [m] beside it. Of the beams, `bearings` (1 or M, k) [rad] and
+    `ranges` (M, k) [m]; where a range is inf its probes are of no use.
+    """
+    beams = ranges.shape[1]
+    for m in range(ranges.shape[0]):
+        for k in range(beams):
+            bearing = bearings[m if bearings.shape[0] > 1 else 0, k]
+            turn = _turn(ranges[m, k], patch)
+            cos[m, k], sin[m, k] = math.cos(bearing + turn), math.sin(bearing + turn)
+            cos[m, beams + k], sin[m, beams + k] = math.cos(bearing - turn), math.sin(bearing - turn)
+
+
+@part
+def _turn(reach: float, patch: float) -> float:
+    """From a beam to its probe [rad]."""
+    return math.atan2(patch, reach if math.isfinite(reach) else 1.0)
+
+
+@kernel
+def incidences(ranges: Floats, probes: Floats, patch: float, even: float, out: Floats) -> None:
+    """Angles of incidence [rad] on walls (M, k), by the line through two places close to where each beam ends.
+
+    The places are where probes end, to either side of the beam; or the nearer probe's end and the beam's, where one is
+    more than `even` times as far from the beam's end as the other, and so lies on another surface. 0 where the beam
+    ends nowhere, or both probes do.
 
     Parameters
     ----------
     ranges
         Of the beams [m], inf for none, (M, k).
-    turn
-        From each beam to its probe on the left, and back to that on the right [rad], (M, k).
     probes
-        How far the probes go [m], (M, 2 k): first those on the left.
-    along, across
-        (M, k).
+        How far the probes go [m], (M, 2 k), in the directions of `probe` for the same `patch` [m].
     """
     beams = ranges.shape[1]
     for m in range(ranges.shape[0]):
         for k in range(beams):
-            along[m, k], across[m, k] = 0.0, 1.0
+            out[m, k] = 0.0
             ahead, left, right = ranges[m, k], probes[m, k], probes[m, beams + k]
             if not math.isfinite(ahead):
                 continue
-            left_x, left_y, left_gap = _end(left, turn[m, k], ahead)
-            right_x, right_y, right_gap = _end(right, -turn[m, k], ahead)
+            turn = _turn(ahead, patch)
+            left_x, left_y, left_gap = _end(left, turn, ahead)
+            right_x, right_y, right_gap = _end(right, -turn, ahead)
             if not math.isfinite(min(left_gap, right_gap)):
                 continue
             if max(left_gap, right_gap) <= even * min(left_gap, right_gap):
-                along[m, k], across[m, k] = left_x - right_x, left_y - right_y
+                along, across = left_x - right_x, left_y - right_y
             elif left_gap <= right_gap:
-                along[m, k], across[m, k] = left_x - ahead, left_y
+                along, across = left_x - ahead, left_y
             else:
-                along[m, k], across[m, k] = right_x - ahead, right_y
+                along, across = right_x - ahead, right_y
+            out[m, k] = math.atan2(abs(along), abs(across))
 
 
 @kernel

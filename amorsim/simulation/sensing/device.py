@@ -14,6 +14,7 @@ from amorsim.contracts import Aim, Context, Draws, Measurement, Sensor, SensorBi
 from amorsim.core.error_text import RAISED, in_words
 from amorsim.core.rows import stack
 from amorsim.kernels.kinematics import poses
+from amorsim.kernels.number_checks import has_nan
 from amorsim.kernels.sensing import delivery
 from amorsim.scenario.needs import samples_under_way
 from amorsim.scenario.spec import MountedSensor
@@ -303,7 +304,7 @@ class Device:
         """Raise unless values are numbers `(N, k)`; inf is valid, for beams without a return."""
         if problem := array_problem(values, "values", self.shape, by):
             raise self.whose.wrong(self.what, self.sensor, problem)
-        if np.isnan(values).any():
+        if has_nan(values.ravel()):
             finite = np.where(np.isinf(values), 0.0, values)
             raise self.whose.not_finite(self.what, self.sensor, f"the reading from {by}", finite)
 

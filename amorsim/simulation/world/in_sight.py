@@ -16,7 +16,7 @@ from amorsim.kernels.raycast import body_normals, bresenham, rays, scans
 from amorsim.kernels.raycast import visibility as sight
 from amorsim.simulation.world.world import World
 
-__all__ = ["bind_walls", "find_landmarks", "look_about", "normals_at"]
+__all__ = ["bind_look", "bind_walls", "find_landmarks", "look_about", "normals_at"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -102,8 +102,9 @@ def look_about(
     """
     cos_b, sin_b = np.empty(bearings.shape), np.empty(bearings.shape)
     poses.directions(np.ascontiguousarray(bearings), cos_b, sin_b)
-    ranges, met = look_along(world, own, origins, cos_b, sin_b, range_max)
-    things = np.where(met >= 0, met - world.first[world.replica_index[own], None], -1) if world.has_company else met
+    ranges = np.empty((len(origins), bearings.shape[1]))
+    things = np.empty(ranges.shape, dtype=np.int64)
+    bind_look(world, own, origins, cos_b, sin_b, range_max, ranges, things)()
     if not landmarks:
         return ranges, things
     around = world.surroundings
@@ -121,6 +122,32 @@ def look_about(
             things,
         )
     return ranges, things
+
+
+def bind_look(
+    world: World, own: Ints, origins: Array, cos_b: Array, sin_b: Array, range_max: Array, ranges: Array, things: Ints
+) -> Callable[[], None]:
+    """A function that writes what beams hit first, as `look_about` does without landmarks.
+
+    All arrays keep their place, and the bearings their values.
+    """
+    replica = world.replica_index[own]
+    walls = bind_walls(world, replica, origins, cos_b, sin_b, range_max, ranges)
+    things.fill(-1)
+    if not world.has_company:
+        return walls
+    first = world.first[replica, None]
+    bodies = world.bind_cast(own, replica, origins, cos_b, sin_b, range_max, ranges, things)
+
+    def look() -> None:
+        walls()
+        things.fill(-1)
+        bodies()
+        # Bodies by their numbers within the replica; what is none stays below 0.
+        np.subtract(things, first, out=things)
+        np.maximum(things, -1, out=things)
+
+    return look
 
 
 def normals_at(world: World, own: Ints, origins: Array, bearings: Array, bodies: Ints) -> Array:
@@ -166,11 +193,12 @@ def bind_walls(
     range_max: Array,
     out: Array,
     traversal: str = "exact",
+    bearings_change: bool = False,
 ) -> Callable[[], None]:
     """A function that writes the distances [m] `(Q, k)` to the walls along beams into `out`, each time it is called.
 
     `replica` `(Q,)` is the replica of each origin; the other arguments are those of `rays.cast`. All arrays keep their
-    place, and the bearings their values.
+    place, and the bearings their values unless `bearings_change`.
     """
     is_scan = traversal != "bresenham" and cos_b.shape[1] > 1 and (len(cos_b) == 1 or cos_b.shape[1] >= _FEW)
     sorted_scan = scans.sorted_beams(cos_b, sin_b, len(origins)) if is_scan else ()
@@ -190,4 +218,7 @@ def bind_walls(
                 calls.append(functools.partial(cast, *given))
         return in_turn(calls)
 
-    return world.workers.bind(len(origins), out.shape[1], prepare)
+    walls = world.workers.bind(len(origins), out.shape[1], prepare)
+    if is_scan and bearings_change:
+        return in_turn([functools.partial(scans.sort_beams, cos_b, sin_b, *sorted_scan), walls])
+    return walls

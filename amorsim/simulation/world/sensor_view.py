@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import BodyStates, Emissions, FloorPoints, Lights, Neighbours, Sightings
+from amorsim.contracts import BodyStates, Directions, Emissions, FloorPoints, Lights, Neighbours, Sightings
 from amorsim.core.errors import ComponentError
 from amorsim.core.shapes import Shape
 from amorsim.core.workers import Workers, in_turn
@@ -18,7 +18,7 @@ from amorsim.kernels.kinematics import poses
 from amorsim.kernels.number_checks import all_indices
 from amorsim.kernels.raycast import cones
 from amorsim.simulation.world.bumper_contacts import find_touched
-from amorsim.simulation.world.in_sight import bind_walls, find_landmarks, look_about, normals_at
+from amorsim.simulation.world.in_sight import bind_look, bind_walls, find_landmarks, look_about, normals_at
 from amorsim.simulation.world.neighbourhood import neighbours_of
 from amorsim.simulation.world.world import CONE_WORK, World
 
@@ -53,6 +53,11 @@ class GroupView:
         self.mount: Array = np.zeros((self.rows, 3))  # of the sensor in use, set by `use` like its name
         self.sensor = ""
         self._pose: Array | None = None
+
+    @property
+    def has_company(self) -> bool:
+        """Whether there are other bodies; see `amorsim.contracts.View.has_company`."""
+        return self._world.has_company
 
     @property
     def names(self) -> Sequence[str]:
@@ -93,7 +98,7 @@ class GroupView:
     def bind_cast(
         self,
         origins: Array,
-        bearings: Array,
+        bearings: Array | Directions,
         range_max: Array,
         out: Array,
         traversal: str = "exact",
@@ -102,10 +107,14 @@ class GroupView:
     ) -> Callable[[], None]:
         """A function that casts into `out`; see `amorsim.contracts.View.bind_cast`."""
         own, replica = self._carried("cast", origins, row)
-        _check_bearings("cast", bearings, origins)
-        limits = self._limits("cast", range_max, origins, row)
-        beams = origins, *self._table(bearings), limits, out
-        walls = bind_walls(self._world, replica, *beams, traversal)
+        if isinstance(bearings, Directions):
+            _check_bearings("cast", bearings.cos, origins)
+            directions: Table = bearings
+        else:
+            _check_bearings("cast", bearings, origins)
+            directions = self._table(bearings)
+        beams = origins, *directions, self._limits("cast", range_max, origins, row), out
+        walls = bind_walls(self._world, replica, *beams, traversal, directions is bearings)
         if not (bodies and self._world.has_company):
             return walls
         return in_turn([walls, self._world.bind_cast(own, replica, *beams)])
@@ -165,6 +174,12 @@ class GroupView:
         limits = self._limits("look", range_max, origins, row)
         return look_about(self._world, own, origins, bearings, limits, landmarks)
 
+    def bind_look(self, origins: Array, bearings: Array, limits: Array, out: Array, thing: Ints) -> Callable[[], None]:
+        """A function that looks into `out` and `thing`; see `amorsim.contracts.View.bind_look`."""
+        own, _ = self._carried("bind_look", origins)
+        _check_bearings("bind_look", bearings, origins)
+        return bind_look(self._world, own, origins, *self._table(bearings), limits, out, thing)
+
     def normals(self, origins: Array, bearings: Array, bodies: Ints, row: Ints | None = None) -> Array:
         """The normals of bodies where beams enter them; see `amorsim.contracts.View.normals`."""
         own, _ = self._carried("normals", origins, row)
@@ -211,17 +226,29 @@ class GroupView:
 
     def emissions(self, medium: str) -> Emissions:
         """The emitters of a medium; see `amorsim.contracts.View.emissions`."""
-        emitted = self._world.emissions[medium]
-        replica = self._world.replica_index[self._bodies]
-        own = (emitted.body[replica] == self._bodies[:, None]) & (emitted.sensor == self.sensor)
-        return Emissions(
-            poses=emitted.poses[replica],
-            half_angle=emitted.half_angle[replica],
-            fired=emitted.fired[replica],
-            own=own,
-            time=emitted.time[replica],
-            body=emitted.body[replica] % self._world.count,
-        )
+        copies: Any = (array.copy() for array in self.bind_emissions(medium)())
+        return Emissions(*copies)
+
+    def bind_emissions(self, medium: str) -> Callable[[], Emissions]:
+        """A function that returns the emitters; see `amorsim.contracts.View.bind_emissions`."""
+        world, sensor = self._world, self.sensor
+        replica, own_body = world.replica_index[self._bodies], self._bodies[:, None]
+        # Of one row in each replica, the arrays need no selection.
+        which: Any = slice(None) if np.array_equal(replica, np.arange(world.replicas)) else replica
+
+        def emissions() -> Emissions:
+            emitted = world.emissions[medium]
+            body = emitted.body[which]
+            return Emissions(
+                poses=emitted.poses[which],
+                half_angle=emitted.half_angle[which],
+                fired=emitted.fired[which],
+                own=(body == own_body) & (emitted.sensor == sensor),
+                time=emitted.time[which],
+                body=body % world.count,
+            )
+
+        return emissions
 
     def cone(self, origins: Array, half_angle: Array, range_max: Array, traversal: str = "exact") -> Array:
         """The nearest return in a cone; see `amorsim.contracts.View.cone`."""
@@ -270,19 +297,37 @@ class GroupView:
 
     def nearest_wall(self, origins: Array, half_angle: Array, range_max: Array, rays: int) -> tuple[Array, Array]:
         """Bearing and range of the nearest wall in a cone; see `amorsim.contracts.View.nearest_wall`."""
+        self._carried("nearest_wall", origins)
+        shape = self.rows, len(origins) // self.rows
+        bearing, out = np.empty(shape), np.empty(shape)
+        self.bind_nearest_wall(origins, half_angle, range_max, rays, bearing, out)()
+        return bearing, out
+
+    def bind_nearest_wall(
+        self, origins: Array, half_angle: Array, range_max: Array, rays: int, bearing: Array, out: Array
+    ) -> Callable[[], None]:
+        """A function that writes bearings and ranges; see `amorsim.contracts.View.bind_nearest_wall`."""
         _, replica = self._carried("nearest_wall", origins)
         per_row = len(origins) // self.rows
         limits = self._per_origin(range_max, per_row)
-        bearing, out = np.empty(len(origins)), np.empty(len(origins))
-        for angle, which in _by_width(half_angle, per_row):
+        bearing, nearest = bearing.reshape(-1), out.reshape(-1)
+
+        def of_width(angle: float, which: Any) -> Callable[[], None]:
+            here, found = origins[which], nearest[which]  # copies, if there are cones of other widths
+            ray = np.empty(len(found), dtype=np.int64)
             bearings = angle * _fan(rays)
-            ray = np.empty(len(out[which]), dtype=np.int64)
-            table = self._table(bearings)
-            found = np.empty(len(ray))
-            self._bind_cone_walls(replica[which], origins[which], angle, *table, limits[which], found, ray)()
-            out[which] = found
-            bearing[which] = bearings[0, ray]
-        return bearing.reshape(self.rows, per_row), out.reshape(self.rows, per_row)
+            given = here, angle, *self._table(bearings), limits[which], found, ray
+            cast = self._bind_cone_walls(replica[which], *given)
+
+            def look() -> None:
+                here[...] = origins[which]
+                cast()
+                nearest[which] = found
+                bearing[which] = bearings[0, ray]
+
+            return look
+
+        return in_turn([of_width(angle, which) for angle, which in _by_width(half_angle, per_row)])
 
     def _per_row(self, values: Array) -> Array:
         """One number for each row `(N,)`, from `(N, 1)` or one for all; a copy, as kernels need writable arrays."""
@@ -292,7 +337,8 @@ class GroupView:
 
     def _per_origin(self, values: Array, per_row: int) -> Array:
         """One number for each of a row's origins."""
-        return np.repeat(self._per_row(values), per_row)
+        each = self._per_row(values)
+        return each if per_row == 1 else np.repeat(each, per_row)
 
     def _limits(self, asked: str, range_max: Array, origins: Array, row: Ints | None) -> Array:
         """One limit for each origin `(M,)`, from one for each origin, for each row, or for all."""
