@@ -1,20 +1,20 @@
 // The Simulator's window: elements, connection and what the one says to the other.
 
 import { tell } from "../shared/dialogs.js";
-import { leadBack } from "./back.js";
-import { colourChip, fixed, h, say } from "../shared/dom.js";
+import { listenToClicks } from "./clicks.js";
+import { h, say } from "../shared/dom.js";
 import { Driving } from "./drive.js";
 import { Events } from "./events.js";
+import { takeFrame } from "./frames.js";
 import { Fleet } from "./fleet.js";
 import { Futures } from "./futures.js";
 import { Form } from "../shared/forms.js";
-import { showKeys } from "./key_list.js";
 import { listenToKeys } from "./keys.js";
-import { BELIEFS, build } from "./layout.js";
+import { build } from "./layout.js";
 import { Numbers } from "./numbers.js";
 import { Plots } from "./plots.js";
-import { FLAG, ROBOT, readFrame } from "./protocol.js";
-import { isDrawn } from "./readings.js";
+import { readFrame } from "./protocol.js";
+import { Reader } from "./reader.js";
 import { Record } from "./record.js";
 import { Saving } from "./saving.js";
 import { Replay } from "./replay.js";
@@ -25,8 +25,6 @@ import { TimeBar } from "./timebar.js";
 import { Warnings } from "./warnings.js";
 
 const TABLE_EVERY = 90; // milliseconds: faster nobody reads
-const STATE_EVERY = 1000;
-const LECTURE = "#lecture"; // ends the address of a window that is shown to a class
 const LARGE = 1.8; // how much larger its lines and its type are
 
 export class Simulator {
@@ -34,6 +32,29 @@ export class Simulator {
    * @param {(on: object) => any} connect makes the connection: `Connection`, or what answers and plays in its place */
   constructor(root, connect) {
     this.root = root;
+    /** What is simulated. @type {any} */
+    this.scene = null;
+    /** The newest frame, and one that came before its scene. @type {any} */
+    this.newest = undefined;
+    /** @type {ArrayBuffer | null} */
+    this.early = null;
+    /** The course of events, and the robot that is selected in it. @type {number | undefined} */
+    this.epoch = undefined;
+    this.selected = -1;
+    /** @type {any} */
+    this.robot = undefined;
+    /** The moment in the past whose parameters the form shows, -1 for now. @type {number | undefined} */
+    this.moment = undefined;
+    /** How the simulation stands, as frames tell it. @type {number | undefined} */
+    this.states = undefined;
+    /** The same in full, as the server tells it. @type {any} */
+    this.state = undefined;
+    /** Whether this window has the controls. @type {boolean | undefined} */
+    this.isMine = undefined;
+    /** Its name with the server. */
+    this.window = "";
+    /** The frame that was not drawn yet. @type {number | undefined} */
+    this.unacknowledged = undefined;
     this.toggleTheme = startTheme(root);
     const ask = (command) => this.ask(command);
     this.stage = new Stage(root, {
@@ -46,7 +67,7 @@ export class Simulator {
     this.timebar = new TimeBar(ask);
     this.driving = new Driving(ask, (text) => this.hint(text));
     this.replay = new Replay(ask, (event) => this.go(event));
-    const change = (command) => this.connection.ask({ ...command, robot: this.robot.name }).then((said) => this.formSaid(said));
+    const change = (command) => this.connection.ask({ ...command, robot: this.robot.name }).then((said) => this.reader.readParametersSoon(said));
     this.form = new Form({
       ask: (command) => this.connection.ask(command),
       set: (path, value) => change({ do: "set", path, value }),
@@ -55,6 +76,7 @@ export class Simulator {
       remove: (path) => change({ do: "remove", path }),
       noises: (path, value) => this.ask({ do: "noises", path, robot: this.robot.name, ...(value ? { value } : {}) }),
     });
+    this.reader = new Reader(this);
     this.fleet = new Fleet((robot) => this.ask({ do: "select", robot }));
     this.futures = new Futures({ ask, changed: () => this.showFutures() });
     this.parts = build(this);
@@ -74,9 +96,10 @@ export class Simulator {
     this.warnings = new Warnings(this.parts.banner, ask);
     this.saving = new Saving(this);
     this.timings = { draws: [], intervals: [] };
-    this.listen();
+    listenToClicks(this);
+    listenToKeys(this);
     this.connection = connect({
-      frame: (buffer) => this.frameCame(buffer),
+      frame: (buffer) => takeFrame(this, buffer),
       news: (message) => this.newsCame(message),
       open: () => this.opened(),
       lost: (attempts) => this.warnings.show({ status: "lost", attempts }),
@@ -110,11 +133,11 @@ export class Simulator {
     this.parts.fleet.hidden = this.scene.robots.length < 2;
     this.parts.arrangement.load(this.scene.scenario);
     if (this.scene.recorded) this.setRecorded();
-    this.askState();
+    this.reader.readState();
     // A frame that came before its scene may be the last for long: while nothing moves there is no other.
     const { early } = this;
     this.early = null;
-    if (early && readFrame(early, this.scene).version === this.scene.version) this.frameCame(early);
+    if (early && readFrame(early, this.scene).version === this.scene.version) takeFrame(this, early);
   }
 
   /** Nothing of a recorded run can be changed, and it has a page of its own in the place of the errors. */
@@ -130,121 +153,6 @@ export class Simulator {
   async image(name) {
     const said = await this.connection.ask({ do: "image", name });
     return said.ok ? `data:image/png;base64,${said.png}` : null;
-  }
-
-  frameCame(buffer) {
-    const frame = readFrame(buffer, this.scene);
-    this.newest = frame;
-    if (!this.scene || frame.version !== this.scene.version) {
-      this.early = buffer;
-      this.loadScene();
-      this.connection.drawn(frame.number);
-      return;
-    }
-    if (frame.epoch !== this.epoch || frame.selected !== this.selected) this.turn(frame);
-    this.stage.setFrame(frame);
-    this.showBeliefs(frame);
-    const isRecorded = Boolean(this.scene.recorded);
-    if (!isRecorded && !(frame.states & (FLAG.scrubbed | FLAG.posesOnly))) this.record.add(frame);
-    this.timebar.show(frame, this.scene);
-    if (!isRecorded) this.showPast(frame);
-    this.driving.isRunning = Boolean(frame.states & FLAG.running);
-    if (!isRecorded) this.driving.setByHand(Boolean(frame.flags[frame.selected] & ROBOT.byHand));
-    this.unacknowledged = frame.number;
-    if (frame.events > this.events.next && !this.readingEvents) this.readEvents();
-    if (frame.states !== this.states) {
-      this.askState();
-      if (frame.states & FLAG.ended) this.hint(isRecorded ? "This is the end of the recording." : "The scenario's duration is over; run continues beyond it.");
-      if (frame.states & FLAG.running) this.hint(""); // no need to say how to run it
-      if (this.states === undefined && !frame.tick && !(frame.states & FLAG.running)) this.hint("Press Space to run, ? for all keys.");
-    }
-    this.states = frame.states;
-  }
-
-  /** In the past the form shows the values of that moment, and nothing can be set before one goes on from there. */
-  showPast(frame) {
-    const isPast = Boolean(frame.states & FLAG.scrubbed);
-    const moment = isPast ? frame.tick : -1;
-    if (moment === this.moment) return;
-    this.moment = moment;
-    this.form.forget();
-    this.form.element.inert = isPast;
-    this.parts.formNote.hidden = !isPast;
-    const whose = frame.states & FLAG.posesOnly ? "The newest values: of this moment only poses are kept" : `The values at ${fixed(frame.time, 1)} s`;
-    say(this.parts.formNote, isPast ? `${whose}. To change them, continue here.` : "");
-    this.formSaid();
-  }
-
-  /** Another robot, or another course of events: what was kept of the one before goes, its history comes. */
-  turn(frame) {
-    const isOther = frame.selected !== this.selected;
-    if (frame.epoch !== this.epoch) {
-      this.events.clear();
-      this.replay.clear();
-      this.stage.mark = null; // in this course of events it has not happened
-    }
-    this.epoch = frame.epoch;
-    this.selected = frame.selected;
-    this.robot = this.scene.robots[frame.selected];
-    this.stage.clearTrails();
-    this.stage.trueSensors = [];
-    if (isOther && this.robot) this.showRobot();
-    this.record.clear();
-    this.readHistory();
-    if (!this.scene.recorded) {
-      this.readParameters();
-      this.futures.read(this.robot, this.scene.dt, this.isStill());
-    }
-    this.readEvents();
-  }
-
-  showRobot() {
-    this.parts.robot.value = String(this.selected);
-    const chip = () => (this.robot.colour ? colourChip(this.robot.colour) : null);
-    this.parts.errorsTitle.replaceChildren(...[chip(), `Errors of ${this.robot.name}`].filter(Boolean));
-    this.parts.numbersTitle.replaceChildren(...[chip(), this.robot.name].filter(Boolean));
-    this.parts.plotTitle.replaceChildren(...[chip(), "Over time"].filter(Boolean));
-    const lack = this.robot.knowledge ? "" : `${this.robot.name} has no map (robots.knowledge.map)`;
-    say(this.stage.control.lack, lack);
-    this.record = new Record(this.robot);
-    this.futures.clear();
-    this.numbers.setQuantities(this.record.quantities);
-    this.plots.setRecord(this.record);
-    this.driving.setRobot(this.robot);
-    const ranges = this.robot.sensors.filter(isDrawn);
-    this.parts.sensors.replaceChildren(
-      ...ranges.map((sensor) => {
-        const button = h("button", { class: "tool", "aria-pressed": String(!this.stage.hidden.has(sensor.name)) }, sensor.name);
-        button.addEventListener("click", () => {
-          const { hidden } = this.stage;
-          const shows = hidden.delete(sensor.name);
-          if (!shows) hidden.add(sensor.name);
-          button.setAttribute("aria-pressed", String(shows));
-          this.stage.redraw();
-        });
-        return button;
-      }),
-    );
-  }
-
-  /** Switches for what the selected robot's estimator believes, where it believes any. */
-  showBeliefs(frame) {
-    for (const [name, count] of BELIEFS) {
-      const button = this.parts.tools.get(name);
-      if (!frame[count]) button.remove();
-      else if (!button.isConnected) this.parts.sensors.append(button);
-    }
-  }
-
-  async readHistory() {
-    const isStill = this.isStill();
-    const said = await this.connection.ask({ do: "history", robot: this.robot.name, max_points: 3000 });
-    if (!said.ok || !isStill()) return;
-    said.true = said.true.map((pose) => pose.map((value) => value ?? NaN)); // of a log nothing true is known
-    this.stage.trueTrail.load(said.ticks, said.true);
-    this.stage.estimatedTrail.load(said.ticks, said.estimated);
-    this.record.load(said, this.scene.dt);
-    this.stage.redraw();
   }
 
   /** A function that tells later whether the robot and the course of events are still those of now. */
@@ -272,45 +180,6 @@ export class Simulator {
     this.parts.fleet.setAttribute("aria-pressed", String(!this.fleet.element.hidden));
   }
 
-  async readParameters() {
-    const robot = this.robot;
-    const said = await this.connection.ask({ do: "parameters", robot: robot.name });
-    if (!said.ok || robot !== this.robot) return;
-    this.form.show(said.parameters, said);
-    this.stage.trueSensors = said.sensors;
-    this.stage.redraw();
-  }
-
-  async readEvents() {
-    this.readingEvents = true;
-    const said = await this.connection.ask({ do: "events", after: this.events.next });
-    this.readingEvents = false;
-    if (!said.ok) return;
-    const isOfNow = said.epoch === undefined || said.epoch === this.epoch;
-    if (isOfNow) this.addEvents(said.events);
-    // What came while it was asked, or belongs to another course of events by now, no later frame may announce.
-    if (this.newest.events > this.events.next) setTimeout(() => !this.readingEvents && this.readEvents(), TABLE_EVERY);
-  }
-
-  addEvents(events) {
-    if (this.scene.recorded) this.replay.mark(events.filter((event) => event.number > this.events.next), Number(this.timebar.line.max));
-    this.events.add(events);
-    if (events.some((event) => /parameter|restore/.test(event.kind))) this.readParameters();
-  }
-
-  async askState() {
-    const state = await this.connection.ask({ do: "state" });
-    if (!state.ok) return;
-    if (state.moved) {
-      location.replace(state.moved);
-      return;
-    }
-    this.state = state;
-    this.timebar.setState(state);
-    this.warnings.show(state);
-    this.showControls();
-  }
-
   newsCame(message) {
     if (message.window) this.window = message.window;
   }
@@ -327,13 +196,7 @@ export class Simulator {
   async restoreAll() {
     const said = await this.ask({ do: "restore", robot: this.robot.name });
     if (said.ok) this.form.forget();
-    this.formSaid(said);
-  }
-
-  formSaid(said) {
-    clearTimeout(this.parametersSoon);
-    this.parametersSoon = setTimeout(() => this.readParameters(), 120);
-    return said;
+    this.reader.readParametersSoon(said);
   }
 
   async go(event) {
@@ -419,25 +282,6 @@ export class Simulator {
     say(this.parts.robotNote, isBoth ? `${note}, and over it what it knows` : note);
   }
 
-  showControls() {
-    const { holder, asking = [] } = this.state;
-    const isMine = holder === this.window;
-    if (this.isMine !== undefined && isMine !== this.isMine) {
-      if (isMine) this.hint("You have the controls now.");
-      else this.hint(holder ? "Another window has the controls now. You watch." : "You do not have the controls any more.");
-    }
-    this.isMine = isMine;
-    this.root.classList.toggle("watching", !this.isMine);
-    const { reset, run, step, speed, line, toEnd } = this.timebar;
-    for (const one of [reset, run, step, speed, line, toEnd, this.driving.switch]) one.disabled = !this.isMine;
-    if (!this.isMine) this.timebar.carryOn.disabled = true;
-    this.parts.controls.hidden = this.isMine && !asking.length;
-    let words = "another window asks: give it the controls";
-    if (!this.isMine) words = holder ? "you watch: ask for the controls" : "take the controls";
-    if (asking.includes(this.window)) words = "you watch: asked for the controls";
-    say(this.parts.controls, words);
-  }
-
   get isLecture() {
     return this.root.classList.contains("lecture");
   }
@@ -457,37 +301,5 @@ export class Simulator {
     say(this.parts.hint, text ?? "");
     clearTimeout(this.hintGone);
     this.hintGone = setTimeout(() => say(this.parts.hint, ""), 5000);
-  }
-
-  // ---------------------------------------------------------------------------------------------------- what is clicked
-
-  listen() {
-    const { parts, stage } = this;
-    for (const [name, button] of parts.tools) button.addEventListener("click", () => stage.setOption(name, !stage.options[name]));
-    parts.zoom.in.addEventListener("click", () => stage.camera.zoom(1.3));
-    parts.zoom.out.addEventListener("click", () => stage.camera.zoom(1 / 1.3));
-    parts.zoom.fit.addEventListener("click", () => stage.fit());
-    parts.robot.addEventListener("change", () => this.ask({ do: "select", robot: Number(parts.robot.value) }));
-    parts.fleet.addEventListener("click", () => this.toggleFleet());
-    parts.asAtFirst.addEventListener("click", () => parts.arrangement.reset());
-    parts.theme.addEventListener("click", () => this.toggleTheme());
-    parts.lecture.addEventListener("click", () => this.setLecture(!this.isLecture));
-    if (location.hash === LECTURE) this.setLecture(true);
-    parts.keys.addEventListener("click", () => showKeys(this.timebar.isRecorded));
-    parts.asInFile.addEventListener("click", () => this.restoreAll());
-    parts.controls.addEventListener("click", () => this.askControls());
-    leadBack(parts.editor);
-    parts.saveRun.addEventListener("click", () => this.saving.run());
-    parts.page.addEventListener("click", () => this.saving.page());
-    parts.saveScenario.addEventListener("click", () => this.saving.scenario());
-    parts.picture.addEventListener("click", () => this.saving.picture());
-    parts.film.addEventListener("click", () => this.saving.toggle("film"));
-    parts.video.addEventListener("click", () => this.saving.toggle("video"));
-    listenToKeys(this);
-    setInterval(() => !document.hidden && this.connection.isOpen && this.askState(), STATE_EVERY);
-  }
-
-  askControls() {
-    return this.ask({ do: "controls", want: this.isMine ? "give" : "ask", to: this.isMine ? this.state.asking[0] : undefined }).then(() => this.askState());
   }
 }
