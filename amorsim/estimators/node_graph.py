@@ -247,8 +247,9 @@ def _as_sure_as_it_fits(graph: PoseGraph, found: RobustOptimum) -> PoseGraph:
     """The graph with less of `_STD` in its edges: the least share with which they disagree by no more than they may.
 
     The sum of squared errors of a right graph is, in the mean, three for each edge beyond those that reach every node.
+    An edge counts as far as the others believe it: one that they contradict adds next to nothing to the sum.
     """
-    expected = 3.0 * (len(graph.edges) - len(graph.poses) + 1)
+    expected = 3.0 * (float(found.weights.sum()) - len(graph.poses) + 1)
     own = np.linalg.inv(graph.information) - np.diag(_STD**2)
     for share in _SHARES:
         fitting = attrs.evolve(graph, information=np.linalg.inv(own + share * np.diag(_STD**2)))

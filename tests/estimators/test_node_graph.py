@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 import amorsim as am
-from amorsim.estimators.node_graph import NodeGraph, empty_nodes, loops_of
+from amorsim.algorithms.pose_graph import PoseGraph
+from amorsim.algorithms.pose_graph.robust import RobustOptimum
+from amorsim.estimators.node_graph import NodeGraph, _as_sure_as_it_fits, empty_nodes, loops_of
 
 INFORMATION = np.diag((1e4, 1e4, 1e4))
 
@@ -32,6 +34,28 @@ def close(graph, first, off):
     """Let a match of the newest node say that it is `off` (3,) from where it is thought to be."""
     place = graph.poses[-1] + np.array(off)
     return graph.close(first, graph.count - 1, am.relative(graph.poses[first][None], place[None])[0], INFORMATION)
+
+
+def test_loops_that_are_not_believed_make_a_graph_no_surer():
+    """Edges of 15 mm that disagree by 9.5 mm, and as many wrong loops, which weigh nothing."""
+    n, rng = 60, np.random.default_rng(3)
+    std = np.array([0.01, 0.01, 0.004]) + 0.005
+    poses = np.stack((np.arange(n, dtype=float), np.zeros(n), np.zeros(n)), axis=1)
+    pairs = np.array([(i, i + 1) for i in range(n - 1)] + [(i, i + 2) for i in range(n - 2)])
+    steps = am.relative(poses[pairs[:, 0]], poses[pairs[:, 1]]) + rng.normal(0.0, 0.0095, (len(pairs), 3)) * [1, 1, 0.4]
+    right = PoseGraph.of(poses, pairs, steps, np.repeat(np.diag(std**-2)[None], len(pairs), axis=0))
+    wrong = np.array([(i, n - 1 - i) for i in range(20)] * 3)
+    both = PoseGraph.of(
+        poses,
+        np.concatenate((pairs, wrong)),
+        np.concatenate((steps, am.relative(poses[wrong[:, 0]], poses[wrong[:, 1]]) + 5.0)),
+        np.repeat(np.diag(std**-2)[None], len(pairs) + len(wrong), axis=0),
+    )
+    alone = _as_sure_as_it_fits(right, RobustOptimum(poses, np.ones(len(pairs)), 0.0))
+    weights = np.concatenate((np.ones(len(pairs)), np.full(len(wrong), 1e-9)))
+    among = _as_sure_as_it_fits(both, RobustOptimum(poses, weights, 0.0))
+    assert 1.01 < alone.information[0, 0, 0] / right.information[0, 0, 0] < 3.0  # neither the least share nor all
+    np.testing.assert_array_equal(among.information[0], alone.information[0])
 
 
 def test_a_loop_that_moves_the_robot_little_closes_at_once():
