@@ -110,7 +110,9 @@ def test_demo_is_changed_undone_saved_and_run(open_editor: Any, tmp_path: Path) 
     editor.step(lambda: editor.drag((1.4, 8.2), (2.4, 8.2)))
     assert editor.see("stage.still.robots[0]")[:2] == pytest.approx([2.4, 8.2])
     expect(page.locator("#inspector-title")).to_have_text("rover")
-    handle = editor.see("stage.turnHandle()")
+    handle = editor.page.evaluate(
+        f"import('/amorsim/web/editor/grips.js').then(({{turnHandle}}) => turnHandle({PAGE}.stage))"
+    )
     editor.step(lambda: editor.drag((handle["x"], handle["y"]), (2.4, 9.2)))
     assert editor.see("stage.still.robots[0][2]") == pytest.approx(1.5708, abs=1e-3)
 

@@ -1,6 +1,6 @@
 // Adding things: a gallery of what there is, and where one is put with the next click.
 
-import { PlaceTool, SizeTool } from "./draw_tools.js";
+import { PlaceTool, SizeTool } from "./place_tools.js";
 import { askFleet, fleetKinds } from "./fleets.js";
 import { showGallery } from "./gallery.js";
 import { PathTool } from "./path_tool.js";

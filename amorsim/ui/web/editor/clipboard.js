@@ -1,7 +1,7 @@
 // Copies of things and walls, and the changes of the document that paste them.
 
 import { round } from "./geometry.js";
-import { reach } from "../shared/marks.js";
+import { reach } from "../shared/footprint.js";
 import { startsOf } from "./ghosts.js";
 import { freeName } from "./things.js";
 
@@ -170,4 +170,21 @@ export async function paste(page, at) {
   const clip = lastCopy() ?? page.clip;
   if (clip) await put(page, "paste", clip, at && shiftTo(page, clip, at));
   else page.hint("nothing was copied yet");
+}
+
+/** Remove what is selected.
+ * @param {import("./editor.js").EditorPage} page */
+export async function remove(page) {
+  const { stage } = page;
+  const changes = [];
+  const paths = stage.selection.things.flatMap((one) => /** @type {import("./stage.js").Chosen} */ (one).path ?? []).filter((path) => path.includes("."));
+  // The last of a list first, for those after it move up.
+  const last = (path) => Number(path.split(".")[1]);
+  for (const path of paths.sort((a, b) => last(b) - last(a))) changes.push({ op: "remove", path });
+  if (stage.chosenWalls.length && page.wallsFixed) page.hint(page.wallsFixed);
+  else if (stage.chosenWalls.length) changes.push({ op: "walls", remove: stage.chosenWalls });
+  if (!changes.length) return;
+  const title = stage.selection.only?.title ?? "what was selected";
+  stage.selection.clear();
+  await page.edit(`delete ${title}`, changes);
 }

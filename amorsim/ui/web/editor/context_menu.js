@@ -4,7 +4,7 @@ import { h } from "../shared/dom.js";
 import { showAdding } from "./adding.js";
 import { askArray, mirror } from "./arrange.js";
 import { askNumbers } from "./ask_numbers.js";
-import { lastCopy, paste } from "./clipboard.js";
+import { lastCopy, paste, remove } from "./clipboard.js";
 import { askOffset, askTurn, splitWalls } from "./reshape.js";
 
 /** @typedef {{words: string, keys?: string, does: () => void}} Item */
@@ -38,7 +38,7 @@ function itemsAt(page, place) {
     { words: "copies in rows …", does: () => askArray(page) },
     { words: "mirror", does: () => mirror(page) },
   ];
-  return [own, walls, copies, here, view, [{ words: "delete", keys: "Delete", does: () => page.remove() }]].filter((group) => group.length);
+  return [own, walls, copies, here, view, [{ words: "delete", keys: "Delete", does: () => remove(page) }]].filter((group) => group.length);
 }
 
 /** Open the menu on the canvas.

@@ -1,11 +1,10 @@
-// Tools that draw: walls as lines, polylines and rectangles; bodies placed with a click and turned by dragging; a tape measure.
+// Tools that draw walls, as lines, polylines, rectangles and circles; and a tape measure.
 
 import { Tool } from "../shared/tool.js";
-import { round } from "./geometry.js";
-import { footprintOf } from "./things.js";
+import { round, wordsOf } from "./geometry.js";
 
-const LEAST_SIZE = 0.02; // [m] of a side that is dragged out
-const FREE = { altKey: false, shiftKey: false };
+/** Of an event that is none: no key is held. */
+export const FREE = { altKey: false, shiftKey: false };
 
 /** What all drawing tools do: show where the pointer snaps to. */
 export class DrawTool extends Tool {
@@ -100,7 +99,7 @@ export class LineTool extends DrawTool {
     const from = this.points.at(-1);
     if (!from) return {};
     const wall = [from[0], from[1], mark.x, mark.y];
-    return { walls: [wall], words: this.page.lengthOf(wall), at: [mark.x, mark.y] };
+    return { walls: [wall], words: wordsOf(wall), at: [mark.x, mark.y] };
   }
 
   point({ x, y }) {
@@ -221,7 +220,7 @@ export class MeasureTool extends DrawTool {
     if (!from) return far ? { words: far, at: [mark.x, mark.y] } : {};
     const end = to ?? [mark.x, mark.y];
     const wall = [from[0], from[1], end[0], end[1]];
-    return { walls: [wall], words: to || !far ? this.page.lengthOf(wall) : `${this.page.lengthOf(wall)}, ${far}`, at: end };
+    return { walls: [wall], words: to || !far ? wordsOf(wall) : `${wordsOf(wall)}, ${far}`, at: end };
   }
 
   point({ x, y }) {
@@ -233,114 +232,5 @@ export class MeasureTool extends DrawTool {
   async ask(x, y) {
     const said = await this.page.connection.ask({ do: "clearance", x, y });
     if (said.ok) this.page.hint(`nearest wall ${said.gap.toFixed(3)} m`);
-  }
-}
-
-/** Puts a thing where the user clicks; dragging on turns it. */
-export class PlaceTool extends DrawTool {
-  /**
-   * @param {import("./editor.js").EditorPage} page
-   * @param {{label: string, footprint: any}} what
-   * @param {(pose: number[]) => void} done gets x, y [m] and heading [°]
-   */
-  constructor(page, what, done) {
-    super(page);
-    this.what = what;
-    this.done = done;
-  }
-
-  get says() {
-    return `Click where ${this.what.label} is to stand; drag to turn it. Escape: none.`;
-  }
-
-  about(mark) {
-    const [at] = this.points;
-    const heading = at ? Math.atan2(mark.y - at[1], mark.x - at[0]) : 0;
-    const isTurned = at && Math.hypot(mark.x - at[0], mark.y - at[1]) > 0.02;
-    const pose = at ? [at[0], at[1], isTurned ? heading : 0] : [mark.x, mark.y, 0];
-    return { bodies: [{ footprint: this.what.footprint, pose }] };
-  }
-
-  snapped(place, event) {
-    return this.stage.walls.snap(place, { ...this.page.snapping(event, null), isTurned: false, isFree: this.points.length > 0 || event.altKey });
-  }
-
-  point({ x, y }) {
-    this.points = [[x, y]];
-  }
-
-  up(place, event) {
-    if (this.points.length) this.finish(this.snapped(place, event));
-  }
-
-  finish(mark) {
-    const [x, y] = this.points[0];
-    const isTurned = Math.hypot(mark.x - x, mark.y - y) * this.stage.camera.scale > 12;
-    const heading = isTurned ? Math.round((Math.atan2(mark.y - y, mark.x - x) * 36) / Math.PI) * 5 : 0;
-    this.cancel();
-    this.done([x, y, heading]);
-  }
-
-  key(event, place) {
-    if (event.key === "Escape") {
-      this.cancel();
-      this.page.take("select");
-      return true;
-    }
-    if (event.key !== "Enter") return false;
-    const mark = this.snapped(place, FREE);
-    this.point(mark);
-    this.finish(mark);
-    return true;
-  }
-}
-
-/** Puts a thing where the user clicks, in its usual size, or as large as it is dragged out. */
-export class SizeTool extends PlaceTool {
-  /**
-   * @param {import("./editor.js").EditorPage} page
-   * @param {{label: string, footprint: any, sized: "rectangle" | "circle"}} what
-   * @param {(pose: number[], size?: any) => void} done gets x, y [m] and heading [°], and a shape if one was dragged out
-   */
-  constructor(page, what, done) {
-    super(page, what, done);
-    this.sized = what.sized;
-    this.finished = done;
-  }
-
-  get says() {
-    const how = this.sized === "circle" ? "from its middle to its rim" : "from corner to corner";
-    return `Drag out ${this.what.label} ${how}, or click for its usual size. Escape: none.`;
-  }
-
-  snapped(place, event) {
-    return this.stage.walls.snap(place, { ...this.page.snapping(event, null), isTurned: false });
-  }
-
-  /** The shape between where the pointer went down and where it is, and the middle of it; null for a click. */
-  shapeTo(mark) {
-    const [at] = this.points;
-    if (!at) return null;
-    const [dx, dy] = [mark.x - at[0], mark.y - at[1]];
-    if (this.sized === "circle") {
-      const radius = round(Math.hypot(dx, dy));
-      return radius < LEAST_SIZE ? null : { shape: { circle: radius }, middle: at, words: `radius ${radius} m` };
-    }
-    const sides = [round(Math.abs(dx)), round(Math.abs(dy))];
-    if (Math.min(...sides) < LEAST_SIZE) return null;
-    return { shape: { rectangle: sides }, middle: [round(at[0] + dx / 2), round(at[1] + dy / 2)], words: `${sides[0]} × ${sides[1]} m` };
-  }
-
-  about(mark) {
-    const dragged = this.shapeTo(mark);
-    if (!dragged) return super.about(mark);
-    return { bodies: [{ footprint: footprintOf(dragged.shape), pose: [...dragged.middle, 0] }], words: dragged.words, at: [mark.x, mark.y] };
-  }
-
-  finish(mark) {
-    const dragged = this.shapeTo(mark);
-    const [x, y] = dragged?.middle ?? this.points[0];
-    this.cancel();
-    this.finished([x, y, 0], dragged?.shape);
   }
 }

@@ -6,7 +6,7 @@ import { startTheme } from "../shared/theme.js";
 import { Hand } from "../shared/tool.js";
 import { readMenu } from "./adding.js";
 import { askNumbers } from "./ask_numbers.js";
-import { copyOf, keep, paste, put } from "./clipboard.js";
+import { copyOf, keep, paste, put, remove } from "./clipboard.js";
 import { CircleTool, LineTool, MeasureTool, RectangleTool } from "./draw_tools.js";
 import { showText } from "./files.js";
 import { Ghosts } from "./ghosts.js";
@@ -213,28 +213,13 @@ export class EditorPage {
     this.hint(said.ok ? (said.label ? `${which}: ${said.label}` : `nothing to ${which}`) : said.error);
   }
 
-  async remove() {
-    const { stage } = this;
-    const changes = [];
-    const paths = stage.selection.things.flatMap((one) => /** @type {import("./stage.js").Chosen} */ (one).path ?? []).filter((path) => path.includes("."));
-    // The last of a list first, for those after it move up.
-    const last = (path) => Number(path.split(".")[1]);
-    for (const path of paths.sort((a, b) => last(b) - last(a))) changes.push({ op: "remove", path });
-    if (stage.chosenWalls.length && this.wallsFixed) this.hint(this.wallsFixed);
-    else if (stage.chosenWalls.length) changes.push({ op: "walls", remove: stage.chosenWalls });
-    if (!changes.length) return;
-    const title = stage.selection.only?.title ?? "what was selected";
-    stage.selection.clear();
-    await this.edit(`delete ${title}`, changes);
-  }
-
   async copy(isCut = false) {
     const found = await copyOf(this);
     if (!found) return;
     this.clip = found;
     keep(found);
     this.hint(`${isCut ? "cut" : "copied"} ${found.count === 1 ? "1 thing" : `${found.count} things`}`);
-    if (isCut) await this.remove();
+    if (isCut) await remove(this);
   }
 
   /** @param {{x: number, y: number}} [at] where to, if not beside what was copied */
@@ -283,12 +268,6 @@ export class EditorPage {
   /** How what is drawn snaps now. */
   snapping(event, from) {
     return { scale: this.stage.camera.scale, grid: this.grid, from, isTurned: event.shiftKey, isFree: event.altKey };
-  }
-
-  /** @param {number[]} wall */
-  lengthOf([a, b, c, d]) {
-    const angle = (Math.atan2(d - b, c - a) * 180) / Math.PI;
-    return `${Math.hypot(c - a, d - b).toFixed(3).replace(/0$/, "")} m, ${angle.toFixed(1).replace(/\.0$/, "").replace("-", "−")}°`;
   }
 
   // ------------------------------------------------------------------------------------------------------------ words

@@ -4,7 +4,7 @@ import { Camera } from "../shared/camera.js";
 import { open } from "../shared/dialogs.js";
 import { h } from "../shared/dom.js";
 import { drawLayer } from "../shared/layer.js";
-import { reach, trace } from "../shared/marks.js";
+import { reach, trace } from "../shared/footprint.js";
 import { Pictures } from "../shared/pictures.js";
 import { readScene } from "../shared/scene.js";
 import { StillRobotLayer, stillFrame } from "../shared/still.js";

@@ -138,3 +138,10 @@ export function holds(footprint, [px, py, heading], x, y) {
   });
   return isInside;
 }
+
+/** A wall's length and direction in words.
+ * @param {number[]} wall */
+export function wordsOf([a, b, c, d]) {
+  const angle = (Math.atan2(d - b, c - a) * 180) / Math.PI;
+  return `${Math.hypot(c - a, d - b).toFixed(3).replace(/0$/, "")} m, ${angle.toFixed(1).replace(/\.0$/, "").replace("-", "−")}°`;
+}

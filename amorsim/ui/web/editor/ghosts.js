@@ -1,6 +1,6 @@
 // Where those start that are placed at random: the starts that a run with this seed draws, and moving where they are drawn.
 
-import { trace } from "../shared/marks.js";
+import { trace } from "../shared/footprint.js";
 import { SceneLayer } from "../shared/world.js";
 import { footOn, round } from "./geometry.js";
 import { legs } from "./grips.js";

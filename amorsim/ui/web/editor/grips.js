@@ -1,9 +1,11 @@
 // Grips: what can be taken hold of on the canvas besides bodies and walls. Points of paths, corners of boxes, mounts of sensors.
 
+import { reach } from "../shared/footprint.js";
 import { round } from "./geometry.js";
 import { shapeGrips, viewGrips } from "./shape_grips.js";
 
 const DEGREE = Math.PI / 180;
+const HANDLE = 26; // pixels from a body's edge to the handle that turns it
 const ARM = 44; // pixels from a sensor's mount to the grip that turns it
 
 /**
@@ -141,4 +143,24 @@ function mountGrips(stage, thing, sensor) {
       drop: () => drop(([, , angle]) => [null, null, Math.round((angle / DEGREE) * 1e4) / 1e4], "turn"),
     },
   ];
+}
+
+/** Where the handle is that turns the one thing that is selected, or null.
+ * @param {import("./stage.js").EditStage} stage */
+export function turnHandle(stage) {
+  const [thing, ...others] = stage.chosenThings;
+  if (!thing?.turns || others.length || stage.chosenWalls.length || stage.sensor) return null;
+  const pose = stage.poseOf(thing);
+  if (!pose) return null;
+  const far = reach(thing.footprint) + HANDLE / stage.camera.scale;
+  return { thing, from: pose, x: pose[0] + far * Math.cos(pose[2]), y: pose[1] + far * Math.sin(pose[2]) };
+}
+
+/** The ends of the one wall that is selected.
+ * @param {import("./stage.js").EditStage} stage */
+export function wallHandles(stage) {
+  const walls = stage.chosenWalls;
+  if (walls.length !== 1 || stage.selection.things.length !== 1 || stage.preview?.walls) return [];
+  const [a, b, c, d] = stage.walls.walls[walls[0]];
+  return [[a, b], [c, d]];
 }

@@ -4,6 +4,7 @@ import { h, say } from "../shared/dom.js";
 import { makeField } from "../shared/fields.js";
 import { manualButton } from "../shared/manual.js";
 import { shapeOf } from "../shared/nested_fields.js";
+import { wordsOf } from "./geometry.js";
 import { holdSensor } from "./mounting.js";
 import { drawing, more, reordering } from "./more.js";
 import { reshaping } from "./reshape.js";
@@ -93,7 +94,7 @@ export class Inspector {
       makeField({ path: String(k), label, help: "", value: wall[k], is_given: false, fixed: page.wallsFixed || page.watching,
         widget: { kind: "number", is_optional: false, unit: "m", low: null, high: null, is_open: [false, false], is_whole: false } }, { set, restore: set }).element);
     this.element.replaceChildren(
-      h("p", { class: "note" }, `${page.lengthOf(wall)}; walls are kept in ${page.state?.map || "the map's file"}`),
+      h("p", { class: "note" }, `${wordsOf(wall)}; walls are kept in ${page.state?.map || "the map's file"}`),
       ...fields,
       ...reshaping(page),
     );

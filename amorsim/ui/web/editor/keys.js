@@ -4,6 +4,7 @@ import { tellKeys } from "../shared/dialogs.js";
 import { numberIn } from "../shared/field.js";
 import { showAdding } from "./adding.js";
 import { askArray, mirror } from "./arrange.js";
+import { remove } from "./clipboard.js";
 import { openMenu } from "./context_menu.js";
 import { run, save, saveAs, showText } from "./files.js";
 import { KEYS } from "./layout.js";
@@ -20,7 +21,7 @@ export function listen(page) {
   for (const [name, button] of parts.tools) button.addEventListener("click", () => page.take(name));
   const clicks = {
     undo: () => page.step("undo"), redo: () => page.step("redo"), save: () => save(page), saveAs: () => saveAs(page), run: () => run(page), play: () => play(page),
-    text: () => showText(page), duplicate: () => page.duplicate(), array: () => askArray(page), mirror: () => mirror(page), remove: () => page.remove(), theme: () => page.toggleTheme(), keys: showKeys,
+    text: () => showText(page), duplicate: () => page.duplicate(), array: () => askArray(page), mirror: () => mirror(page), remove: () => remove(page), theme: () => page.toggleTheme(), keys: showKeys,
     in: () => camera.zoom(1.3), out: () => camera.zoom(1 / 1.3), all: () => stage.fit(),
   };
   for (const [name, does] of Object.entries(clicks)) parts[name].addEventListener("click", does);
@@ -66,7 +67,7 @@ const plain = (page) => ({
   },
   a: () => page.isHolder && showAdding(page),
   l: () => page.toggleTheme(), "?": showKeys,
-  Delete: () => page.isHolder && page.remove(), Backspace: () => page.isHolder && page.remove(),
+  Delete: () => page.isHolder && remove(page), Backspace: () => page.isHolder && remove(page),
   Escape: () => (page.toolName === "select" ? page.stage.selection.clear() : page.take("select")),
 });
 

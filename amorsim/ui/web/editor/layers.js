@@ -1,8 +1,9 @@
 // Layers of the Editor's canvas: the marks of what is selected, and what a tool is about to do.
 
-import { reach, trace } from "../shared/marks.js";
+import { reach, trace } from "../shared/footprint.js";
 import { SceneLayer } from "../shared/world.js";
 import { boxOf } from "./geometry.js";
+import { turnHandle, wallHandles } from "./grips.js";
 
 const MOST_DASHED = 50; // boxes: dashes take long to draw
 
@@ -102,7 +103,7 @@ export class PreviewLayer extends SceneLayer {
 
   handles(context, px, theme) {
     const { stage } = this;
-    const handle = stage.turnHandle();
+    const handle = turnHandle(stage);
     if (handle) {
       context.beginPath();
       context.moveTo(handle.from[0], handle.from[1]);
@@ -125,7 +126,7 @@ export class PreviewLayer extends SceneLayer {
       context.strokeStyle = shape === "small" ? theme.estimated : theme.paper;
       context.stroke();
     }
-    for (const [x, y] of stage.wallHandles()) {
+    for (const [x, y] of wallHandles(stage)) {
       context.beginPath();
       context.arc(x, y, 6 * px, 0, 2 * Math.PI);
       context.fillStyle = theme.paper;

@@ -1,7 +1,7 @@
 // What of a document lies under the pointer.
 
 import { NEAR } from "../shared/pick.js";
-import { reach } from "../shared/marks.js";
+import { reach } from "../shared/footprint.js";
 import { holds } from "./geometry.js";
 import { startAt } from "./ghosts.js";
 

@@ -1,8 +1,9 @@
 // The tool that selects, moves and turns things: by click, box, drag and arrow keys.
 
 import { Tool } from "../shared/tool.js";
-import { round } from "./geometry.js";
+import { round, wordsOf } from "./geometry.js";
 import { placeChange, shifted, startsOf } from "./ghosts.js";
+import { turnHandle, wallHandles } from "./grips.js";
 import { poseChange } from "./poses.js";
 import { turn } from "./reshape.js";
 
@@ -35,8 +36,8 @@ export class SelectTool extends Tool {
     this.isMoved = false;
     this.doing = "press";
     const near = 9 / stage.camera.scale;
-    const handle = stage.turnHandle();
-    const end = stage.wallHandles().findIndex(([x, y]) => Math.hypot(x - place.x, y - place.y) <= near);
+    const handle = turnHandle(stage);
+    const end = wallHandles(stage).findIndex(([x, y]) => Math.hypot(x - place.x, y - place.y) <= near);
     if (this.page.isHolder && handle && Math.hypot(handle.x - place.x, handle.y - place.y) <= near) {
       this.doing = "turn";
       return;
@@ -109,7 +110,7 @@ export class SelectTool extends Tool {
       const other = this.end ? [wall[0], wall[1]] : [wall[2], wall[3]];
       const mark = stage.walls.snap(place, this.page.snapping(event, other));
       wall.splice(2 * this.end, 2, mark.x, mark.y);
-      stage.preview = { walls: [wall], mark, words: this.page.lengthOf(wall), at: [mark.x, mark.y], wall };
+      stage.preview = { walls: [wall], mark, words: wordsOf(wall), at: [mark.x, mark.y], wall };
       stage.redraw();
     }
   }

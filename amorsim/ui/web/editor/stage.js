@@ -1,6 +1,5 @@
 // The Editor's canvas: what can be drawn of the document, what is selected, and what a tool is about to do.
 
-import { reach } from "../shared/marks.js";
 import { StillRobotLayer, StillStage, atRest, stillFrame } from "../shared/still.js";
 import { BodiesLayer, NamesLayer } from "../shared/world.js";
 import { Carried } from "./carried.js";
@@ -29,7 +28,6 @@ import { PlacesLayer, ViewsLayer } from "./views.js";
  */
 
 const NOWHERE = [NaN, NaN, NaN];
-export const HANDLE = 26; // pixels from a body's edge to the handle that turns it
 
 /**
  * The canvas of the Editor. What stands still is drawn into a bitmap; what is dragged, or plays, is drawn above it, frame by frame.
@@ -294,23 +292,5 @@ export class EditStage extends StillStage {
     });
     const walls = this.isFree("wall") ? this.walls.walls.flatMap((wall, n) => (isIn(wall, box) ? [this.chosenWall(n)] : [])) : [];
     return [...things.map((thing) => this.chosenOf(thing)), ...walls];
-  }
-
-  /** Where the handle is that turns the one thing that is selected, or null. */
-  turnHandle() {
-    const [thing, ...others] = this.chosenThings;
-    if (!thing?.turns || others.length || this.chosenWalls.length || this.sensor) return null;
-    const pose = this.poseOf(thing);
-    if (!pose) return null;
-    const far = reach(thing.footprint) + HANDLE / this.camera.scale;
-    return { thing, from: pose, x: pose[0] + far * Math.cos(pose[2]), y: pose[1] + far * Math.sin(pose[2]) };
-  }
-
-  /** The ends of the one wall that is selected. */
-  wallHandles() {
-    const walls = this.chosenWalls;
-    if (walls.length !== 1 || this.selection.things.length !== 1 || this.preview?.walls) return [];
-    const [a, b, c, d] = this.walls.walls[walls[0]];
-    return [[a, b], [c, d]];
   }
 }

@@ -1,7 +1,8 @@
 // All robots but the selected one, where they truly are. Small ones are stamped from pictures drawn once for each of some headings: a thousand
 // outlines a frame would take longer than a frame has.
 
-import { alikeBy, fillOf, trace } from "./marks.js";
+import { trace } from "./footprint.js";
+import { alikeBy, fillOf } from "./marks.js";
 
 const HEADINGS = 90;
 const SMALL = 26; // pixels of a robot's radius, up to which it is stamped

@@ -1,6 +1,6 @@
 // Scenes made ready for drawing.
 
-import { reach, waist } from "./marks.js";
+import { reach, waist } from "./footprint.js";
 
 /**
  * A robot as it is drawn: its entry in the scene, with what its kind has.

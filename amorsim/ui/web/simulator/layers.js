@@ -1,7 +1,8 @@
 // The Simulator's own layers: what the selected robot knows, its readings and path, and where an event happened.
 
 import { drawCloud, drawHypotheses } from "../shared/cloud.js";
-import { drawBelievedParts, drawEllipse, drawMap, drawMarks, drawRobot, drawTrail, trace } from "../shared/marks.js";
+import { trace } from "../shared/footprint.js";
+import { drawBelievedParts, drawEllipse, drawMap, drawMarks, drawRobot, drawTrail } from "../shared/marks.js";
 import { SceneLayer, ViewLayer } from "../shared/world.js";
 import { poseAt } from "./futures.js";
 import { drawReadings, isDrawn } from "./readings.js";

@@ -1,0 +1,28 @@
+// Footprints of bodies: a circle or a polygon.
+
+/** Add a footprint at a pose to the current path. */
+export function trace(context, footprint, x, y, heading) {
+  if (footprint.circle) {
+    context.moveTo(x + footprint.circle, y);
+    context.arc(x, y, footprint.circle, 0, 2 * Math.PI);
+    return;
+  }
+  const c = Math.cos(heading);
+  const s = Math.sin(heading);
+  let first = true;
+  for (const [u, v] of footprint.polygon) {
+    const px_ = x + u * c - v * s;
+    const py_ = y + u * s + v * c;
+    if (first) context.moveTo(px_, py_);
+    else context.lineTo(px_, py_);
+    first = false;
+  }
+  context.closePath();
+}
+
+/** Half of how wide a footprint is. */
+export const waist = (footprint) => footprint.circle ?? Math.max(...footprint.polygon.map(([, v]) => Math.abs(v)));
+
+/** How far a footprint goes from its base point. */
+export const reach = (footprint) =>
+  footprint.circle ?? Math.max(...footprint.polygon.map(([u, v]) => Math.hypot(u, v)));
