@@ -16,6 +16,10 @@ pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its
 PAGE = "document.querySelector('.amorsim')?.editor"
 
 
+CODE = """import("/amorsim/web/vendor/codemirror/codemirror.js").then(({ EditorView }) =>
+    EditorView.findFromDOM(document.querySelector(".beside .code-editor").shadowRoot.querySelector(".cm-editor")))"""
+
+
 class Editor:
     """The Editor in a browser of its own."""
 
@@ -36,6 +40,19 @@ class Editor:
 
     def see(self, expression: str) -> Any:
         return self.page.evaluate(f"{PAGE}.{expression}")
+
+    def text(self) -> str:
+        """What stands in the editor of code."""
+        return str(self.page.evaluate(f"{CODE}.then((view) => view.state.doc.toString())"))
+
+    def rewrite(self, change: str) -> None:
+        """Put what a function of JavaScript makes of the text into the editor of code."""
+        self.page.evaluate(
+            f"""{CODE}.then((view) => {{
+                const text = view.state.doc.toString();
+                view.dispatch({{ changes: {{ from: 0, to: text.length, insert: ({change})(text) }} }});
+            }})"""
+        )
 
     def at(self, x: float, y: float) -> tuple[float, float]:
         """Where a place of the world [m] is on the page."""

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 import amorsim as am
-from tests.ui.test_window_editor import PAGE, Editor
+from tests.ui.test_window_editor import CODE, PAGE, Editor
 from tests.ui.windows import add_thing, axe_violations, eventually, expect
 
 pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
@@ -210,15 +210,14 @@ def test_galleries_show_pictures_and_find_by_words(editor: Editor) -> None:
 def test_the_text_lies_beside_the_drawing_which_follows_it(editor: Editor) -> None:
     page = editor.page
     page.click("text=text")
-    page.wait_for_selector(".beside .CodeMirror")
+    page.wait_for_selector(".beside .cm-content")
     drawing, text = page.locator(".panel.drawing").bounding_box(), page.locator(".beside").bounding_box()
     assert drawing["x"] + drawing["width"] <= text["x"]
-    code = "document.querySelector('.beside .CodeMirror').CodeMirror"
-    page.evaluate(f"() => {{ const code = {code}; code.setValue(code.getValue().replace('x = 4.0', 'x = 9.0')); }}")
+    editor.rewrite("(text) => text.replace('x = 4.0', 'x = 9.0')")
     editor.until("stage.still.obstacles.some((pose) => pose && pose[0] === 9)")
     # And the text follows the drawing.
     editor.step(lambda: editor.drag((6.0, 3.0), (6.0, 4.0)))
-    assert eventually(lambda: "x = 6.0, y = 4," in page.evaluate(f"{code}.getValue()"))
+    assert eventually(lambda: "x = 6.0, y = 4," in editor.text())
     assert axe_violations(page) == []
     page.click("text=text")
     expect(page.locator(".beside")).to_have_count(0)
@@ -228,24 +227,21 @@ def test_the_text_lies_beside_the_drawing_which_follows_it(editor: Editor) -> No
 def test_keys_and_values_are_completed(editor: Editor) -> None:
     page = editor.page
     page.click("text=text")
-    page.wait_for_selector(".beside .CodeMirror")
-    code = "document.querySelector('.beside .CodeMirror').CodeMirror"
+    page.wait_for_selector(".beside .cm-content")
 
     def put(after: str, words: str) -> None:
         """Begin a line after another one, and type."""
         page.evaluate(
-            f"""after => {{
-                const code = {code};
-                const line = code.getValue().split("\\n").findIndex((one) => one === after);
-                code.replaceRange("\\n", {{ line, ch: after.length }});
-                code.setCursor({{ line: line + 1, ch: 0 }});
-                code.focus();
-            }}""",
+            f"""after => {CODE}.then((view) => {{
+                const end = view.state.doc.toString().indexOf(`${{after}}\\n`) + after.length;
+                view.dispatch({{ changes: {{ from: end, insert: "\\n" }}, selection: {{ anchor: end + 1 }} }});
+                view.focus();
+            }})""",
             after,
         )
         page.keyboard.type(words)
 
-    options = page.locator(".completion li")
+    options = page.locator(".cm-tooltip-autocomplete li")
     put('model = "pioneer2dx"', "on_")
     expect(options.first).to_contain_text("on_collision")
     page.keyboard.press("Tab")
@@ -260,7 +256,11 @@ def test_keys_and_values_are_completed(editor: Editor) -> None:
     expect(options).to_have_count(2)
     expect(options.first).to_contain_text("longest range that is seen")
     page.keyboard.press("Escape")
-    expect(page.locator(".completion")).to_be_hidden()
+    expect(options).to_have_count(0)
+    # A robot that is only being written has the keys of the first one.
+    page.keyboard.press("Control+End")
+    page.keyboard.type('\n[[robots]]\nname = "second"\nmod')
+    expect(options.first).to_contain_text("model")
 
 
 @pytest.mark.parametrize(

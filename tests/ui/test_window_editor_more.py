@@ -186,13 +186,8 @@ def test_a_faulty_file_opens_and_is_mended_as_text(open_editor: Any, tmp_path: P
     for fault in am.open_document(file).faults():
         assert fault.message in shown
     page.click("text=text")
-    page.wait_for_selector(".beside .CodeMirror")
-    page.evaluate(
-        """() => {
-            const { CodeMirror: code } = document.querySelector(".beside .CodeMirror");
-            code.setValue(code.getValue().replace("[simulation\\n", "[simulation]\\n").replaceAll("wonder", "wander"));
-        }"""
-    )
+    page.wait_for_selector(".beside .cm-content")
+    editor.rewrite("""(text) => text.replace("[simulation\\n", "[simulation]\\n").replaceAll("wonder", "wander")""")
     editor.step(lambda: page.click(".beside .main"))
     expect(page.locator(".status")).to_contain_text("no faults")
     page.keyboard.press("Control+s")

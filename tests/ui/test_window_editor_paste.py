@@ -107,14 +107,14 @@ def test_a_text_with_carriage_returns_is_looked_at_and_changed_in_one_line(edito
     page = Page(editor, "lines.toml")
     window = page.page
     window.click("text=text")
-    window.wait_for_selector(".beside .CodeMirror")
+    window.wait_for_selector(".beside .cm-content")
     window.click(".beside .main")
     window.wait_for_selector(".beside", state="detached")
     page.step(lambda: page.see("edit('seed', [{op: 'set', path: 'simulation.seed', value: 77}])"))
     assert page.see("state.steps") == 1  # and none of the text, which was only looked at
     window.click("text=text")
-    window.wait_for_selector(".beside .CodeMirror")
-    window.locator(".CodeMirror").click()
+    window.wait_for_selector(".beside .cm-content")
+    window.locator(".cm-content").click()
     window.keyboard.press("Control+End")
     window.keyboard.type("# the end")
     page.until("state.steps === 2")

@@ -28,8 +28,8 @@ def test_faults_of_the_text_show_at_their_lines_after_a_pause_in_typing(editor: 
     assert page.evaluate(module) <= 500  # [ms]: half of the second is left for the work
     steps = editor.see("state.steps")
     page.click("text=text")
-    page.wait_for_selector(".beside .CodeMirror")
-    page.locator(".CodeMirror").click()
+    page.wait_for_selector(".beside .cm-content")
+    page.locator(".cm-content").click()
     page.keyboard.press("Control+End")
     page.keyboard.type("\n[[robots]]\nname = 5\n")
     page.wait_for_selector(".beside .code-fault-text")

@@ -1,73 +1,11 @@
-// Programs and TOML in an editor with line numbers and colours (CodeMirror); without it, in a plain text area.
+// Controllers' programs, shown and changed beside the drawing.
 
 import { askName } from "../shared/dialogs.js";
 import { h, say } from "../shared/dom.js";
 import { openBeside } from "./beside.js";
+import { dress } from "./code_editor.js";
 
-const VENDOR = "/amorsim/web/vendor/codemirror";
 export const PAUSE = 400; // [ms] without typing, after which what was typed is a step: its faults show within a second
-
-/** @type {Promise<any> | null} */
-let loading = null;
-
-const sheet = (href) => document.head.append(h("link", { rel: "stylesheet", href }));
-const script = (src) => new Promise((done, failed) => document.head.append(h("script", { src, onload: done, onerror: failed })));
-
-/** The editor of code, fetched once; null where it cannot be had. */
-function codeMirror() {
-  loading ??= (async () => {
-    sheet(`${VENDOR}/codemirror.css`);
-    await script(`${VENDOR}/codemirror.js`);
-    for (const name of ["python", "toml", "matchbrackets"]) await script(`${VENDOR}/${name}.js`);
-    return /** @type {any} */ (globalThis).CodeMirror;
-  })().catch(() => null);
-  return loading;
-}
-
-/** Make a text area an editor of code: what is returned works on either.
- * @param {HTMLTextAreaElement} area
- * @param {"python" | "toml"} mode */
-export async function dress(area, mode) {
-  const Mirror = await codeMirror();
-  if (!Mirror || !area.isConnected) {
-    return {
-      mirror: null,
-      value: () => area.value, put: (text) => (area.value = text), mark: () => {}, focus: () => area.focus(),
-      changed: (does) => area.addEventListener("input", does), left: (does) => area.addEventListener("blur", does),
-    };
-  }
-  const label = area.getAttribute("aria-label");
-  const editor = Mirror.fromTextArea(area, {
-    mode, lineNumbers: true, matchBrackets: true, indentUnit: 4, readOnly: area.readOnly, inputStyle: "contenteditable", viewportMargin: 50,
-    extraKeys: { Tab: (one) => one.execCommand("indentMore"), "Shift-Tab": "indentLess", Esc: (one) => one.getInputField().blur() },
-    screenReaderLabel: label,
-  });
-  const field = editor.getInputField();
-  field.setAttribute("aria-label", label);
-  field.setAttribute("role", "textbox");
-  field.setAttribute("aria-multiline", "true");
-  editor.on("change", () => (area.value = editor.getValue()));
-  let marks = [];
-  return {
-    mirror: editor,
-    value: () => editor.getValue(),
-    put: (text) => editor.setValue(text),
-    mark: (faults) => {
-      for (const one of marks) one.clear();
-      marks = faults.filter(({ line }) => line <= editor.lineCount()).map(({ line, message }) => {
-        editor.addLineClass(line - 1, "background", "code-fault");
-        const widget = editor.addLineWidget(line - 1, h("div", { class: "code-fault-text" }, message));
-        return { clear: () => {
-          widget.clear();
-          editor.removeLineClass(line - 1, "background", "code-fault");
-        } };
-      });
-    },
-    changed: (does) => editor.on("change", does),
-    left: (does) => editor.on("blur", does),
-    focus: () => editor.focus(),
-  };
-}
 
 /** Let what is typed be taken at each pause in typing, and when it is left; returns what takes it now.
  * @param {Awaited<ReturnType<typeof dress>>} editor
@@ -185,6 +123,7 @@ export async function showCode(page, file) {
   };
   panel.element.addEventListener("close", () => {
     typed.now();
+    editor.end();
     page.showCodeFaults = null;
   });
   show();

@@ -2,8 +2,9 @@
 
 import { askName, tell } from "../shared/dialogs.js";
 import { openBeside } from "./beside.js";
-import { atPauses, dress, plain } from "./code.js";
-import { complete } from "./completion.js";
+import { atPauses, plain } from "./code.js";
+import { dress } from "./code_editor.js";
+import { choicesAt } from "./completion.js";
 import { h, say } from "../shared/dom.js";
 
 /** Save it, or ask for a name where it has none.
@@ -59,8 +60,7 @@ export async function showText(page) {
   const panel = openBeside(page, page.state.name, h("div", { class: "code" }, area), [close]);
   page.besideText = true;
   page.parts.text.setAttribute("aria-pressed", "true");
-  const editor = await dress(area, "toml");
-  const forget = editor.mirror && !page.watching ? complete(page, editor.mirror) : () => {};
+  const editor = await dress(area, "toml", page.watching ? null : (...place) => choicesAt(page, ...place));
   let written = plain(said.text);
   const typed = atPauses(editor, async () => {
     const text = editor.value();
@@ -80,7 +80,7 @@ export async function showText(page) {
   close.addEventListener("click", () => panel.close());
   panel.element.addEventListener("close", () => {
     typed.now();
-    forget();
+    editor.end();
     page.showCodeFaults = null;
     page.besideText = false;
     page.parts.text.setAttribute("aria-pressed", "false");

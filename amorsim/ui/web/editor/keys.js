@@ -82,7 +82,7 @@ const withControl = (page) => ({
 function press(page, event) {
   const target = /** @type {HTMLElement} */ (event.target);
   if (event.defaultPrevented || target.closest?.("dialog")) return;
-  const isTyping = target.matches?.("input, textarea, select, [contenteditable]");
+  const isTyping = target.matches?.("input, textarea, select, [contenteditable], .code-editor");
   const { pane } = page.stage;
   if (event.ctrlKey || event.metaKey) {
     if (isTyping && event.key !== "s") return;
