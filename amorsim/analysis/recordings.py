@@ -20,7 +20,7 @@ from amorsim.analysis.trajectory import Trajectory
 from amorsim.core.arguments import check_kind, path_of
 from amorsim.core.errors import AmorsimError, AnalysisError, did_you_mean
 from amorsim.core.json_files import parse_json
-from amorsim.core.reading import is_file
+from amorsim.core.reading import is_file, is_folder
 from amorsim.core.unknown_names import no_such
 from amorsim.runs.folder import ABOUT
 from amorsim.scenario.spec import Robot
@@ -189,6 +189,7 @@ def _entries(
 def _trajectory(
     path: Path, messages: Callable[[Path, Wanted], Iterator[_Received]], topic: str | None, frame: str | None
 ) -> Trajectory:
+    _check_recording(path)
     times: list[float] = []
     poses: list[tuple[float, float, float]] = []
     chosen = topic
@@ -247,7 +248,22 @@ def _stamp(content: Any, received: int) -> int:
 # ------------------------------------------------------------------------------------------------------------- formats
 
 
+def _check_recording(path: Path) -> None:
+    """Raise `AnalysisError` where there is nothing that could be a recording."""
+    if is_folder(path):
+        if not is_file(path / "metadata.yaml"):
+            raise AnalysisError(
+                f"{path}: a folder without a recording; expected that of a run, with {ABOUT}, or of a rosbag, with "
+                "metadata.yaml"
+            )
+    elif not is_file(path):
+        raise AnalysisError(f"{path}: there is no such file or folder")
+    elif path.stat().st_size == 0:
+        raise AnalysisError(f"{path}: the file is empty")
+
+
 def _opened(path: Path) -> Callable[[Path, Wanted], Iterator[_Received]]:
+    _check_recording(path)
     if path.suffix != ".mcap":
         if is_file(path) and path.suffix not in (".bag", ".db3"):
             raise AnalysisError(

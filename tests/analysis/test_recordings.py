@@ -160,9 +160,19 @@ def test_mistakes_are_explained(run: Path, bag: Path, mcap: Path, tmp_path: Path
         list(read_log(bag, robot, command="/rover/encoder"))
     damaged = tmp_path / "damaged.mcap"
     damaged.write_bytes(mcap.read_bytes()[:500])
-    for path in (damaged, tmp_path / "none.mcap", tmp_path / "none"):
-        with pytest.raises(am.AnalysisError, match=r"cannot be read as a recording"):
+    (tmp_path / "empty.mcap").touch()
+    (tmp_path / "folder").mkdir()
+    for path, problem in (
+        (damaged, "cannot be read as a recording"),
+        (tmp_path / "none.mcap", "there is no such file or folder"),
+        (tmp_path / "none", "there is no such file or folder"),
+        (tmp_path / "empty.mcap", "the file is empty"),
+        (tmp_path / "folder", r"a folder without a recording; expected .* with run\.json, or .* with metadata\.yaml"),
+    ):
+        with pytest.raises(am.AnalysisError, match=problem):
             list(read_log(path, robot))
+        with pytest.raises(am.AnalysisError, match=problem):
+            (read_mcap if path.suffix else read_bag)(path)
     text = tmp_path / "README.md"
     text.write_text("a text")
     with pytest.raises(am.AnalysisError, match=r"README.md: is not a recording that can be read: expected .* \.mcap"):
@@ -174,8 +184,10 @@ def test_what_is_missing_is_named(run: Path, tmp_path: Path, monkeypatch: pytest
         monkeypatch.setitem(sys.modules, name, None)
     with pytest.raises(am.AnalysisError, match=r"pip install \"amorsim\[rosbag\]\""):
         export_run(run, "rosbag", tmp_path)
+    (tmp_path / "metadata.yaml").touch()
     with pytest.raises(am.AnalysisError, match=r"pip install \"amorsim\[rosbag\]\""):
         read_bag(tmp_path)
+    (tmp_path / "x.mcap").write_bytes(b"x")
     with pytest.raises(am.AnalysisError, match=r"pip install \"amorsim\[mcap\]\""):
         read_mcap(tmp_path / "x.mcap")
 

@@ -23,5 +23,6 @@ def mistaken(path: Path, problem: str, bundled: Sequence[str]) -> str:
         files = sorted(path.glob("*.toml"), key=lambda file: (file.name != "scenario.toml", file.name))
         return f"it is a folder; expected a scenario, such as {files[0] if files else 'demo'}"
     if path.suffix:
-        return problem
+        is_bundled = str(path) == f"{path.stem}.toml" and path.stem in bundled
+        return f"{problem}; the bundled scenario is called {path.stem}" if is_bundled else problem
     return f"{problem}; bundled scenarios: {', '.join(bundled) or 'none'}.{did_you_mean(str(path), bundled)}"
