@@ -280,7 +280,7 @@ def test_a_file_that_is_not_there(registry, tmp_path):
         load(tmp_path / "none.toml", registry=registry)
     with pytest.raises(ScenarioError, match=r"bundled scenarios: .*demo.*Did you mean 'demo'\?"):
         load("dmo", registry=registry)
-    with pytest.raises(ScenarioError, match="there is no such file; .*the bundled scenario is called demo"):
+    with pytest.raises(ScenarioError, match=r"there is no such file; .*the bundled scenario is called demo"):
         load("demo.toml", registry=registry)
     with pytest.raises(ScenarioError, match="a folder"):
         load(tmp_path, registry=registry)
