@@ -79,7 +79,8 @@ def give_it(editor: Editor, show: Callable[[str], None]) -> Path:
     show("lecture")
     page.keyboard.press("c")
     with page.expect_download(timeout=240_000) as download:
-        page.get_by_role("button", name="page", exact=True).click()
+        page.click("button:text-is('save ▾')")
+        page.locator(".save-list").get_by_role("button", name="page", exact=True).click()
     kept = editor.folder / download.value.suggested_filename
     download.value.save_as(kept)
     return kept

@@ -81,7 +81,10 @@ def test_it_plays_to_its_end_and_again(opened: Any, folder: Path, tmp_path: Path
     tick = page.see("newest.tick")
     page.page.keyboard.press(".")
     page.until(f"newest.tick === {tick + 1}")
+    page.page.click("button:text-is('save ▾')")
+    expect(page.page.get_by_role("button", name="picture")).to_be_visible()
     expect(page.page.get_by_role("button", name="GIF")).to_be_hidden()  # a server makes it
+    page.page.keyboard.press("Escape")
     page.do(do="select", robot="rover")
     page.until("newest.particleCount > 50")
     assert page.see("record.series.get('apart').times.length") > 50

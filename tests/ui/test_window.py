@@ -193,10 +193,17 @@ def test_forms_say_what_is_wrong_and_go_back_to_the_scenario(window: Window) -> 
     expect(number).to_have_value("1")
 
 
+def test_the_time_line_is_long_enough_to_point_at_a_moment(window: Window) -> None:
+    page = window.page
+    page.set_viewport_size({"width": 1280, "height": 720})
+    assert page.locator(".timeline").bounding_box()["width"] > 280
+    page.set_viewport_size({"width": 1366, "height": 768})
+
+
 @pytest.mark.long
 def test_a_dialog_keeps_the_keyboard_after_a_problem_and_escape_closes_it(window: Window) -> None:
     page = window.page
-    page.click("text=save as…")
+    window.save("save as…")
     page.fill("dialog input", "nowhere/room.toml")
     page.click("dialog .main")
     page.wait_for_selector("dialog .error:not(:empty)")
@@ -215,7 +222,7 @@ def test_parameters_are_saved_as_a_scenario(window: Window, project: Path) -> No
     number.fill("1.07")
     number.press("Enter")
     window.until(f"form.fields.get('{LEFT_WHEEL}').parameter.value === 1.07")
-    window.page.click("text=save as…")
+    window.save("save as…")
     window.page.fill("#asked-name", "../outside.toml")
     window.page.keyboard.press("Enter")
     window.page.wait_for_selector("dialog .error:not(:empty)")
@@ -351,12 +358,12 @@ def test_picture_and_gif_of_the_view(window: Window, tmp_path: Path) -> None:
 
     page = window.page
     with page.expect_download() as saved:
-        page.click("text=picture")
+        window.save("picture")
     saved.value.save_as(tmp_path / "view.png")
     with Image.open(tmp_path / "view.png") as picture:
         assert picture.width > 900
         assert len(picture.convert("RGB").getcolors(100_000)) > 20
-    page.click("text=GIF")
+    window.save("GIF")
     page.keyboard.press("m")
     window.do(do="drive", robot="rover", forward=0.5)
     page.evaluate("document.activeElement.blur()")
@@ -374,7 +381,7 @@ def test_a_video_of_the_view(window: Window, tmp_path: Path) -> None:
     """The browser itself makes it; it plays it too, from its beginning to its end."""
     page = window.page
     window.do(do="run")
-    page.click("button:text-is('video')")
+    window.save("video")
     assert page.is_disabled("button:text-is('GIF')")
     window.until("saving.film.frames.length >= 2")  # a second each
     with page.expect_download() as saved:

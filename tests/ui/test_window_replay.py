@@ -89,7 +89,7 @@ def test_what_was_made_of_a_log_is_shown_without_truth(
         page.page.keyboard.press("f")  # follows what is known
         page.until(f"stage.options.follow && Number.isFinite(stage.camera.x) && stage.camera.x !== {x}")
         with page.page.expect_download() as saved:
-            page.page.get_by_role("button", name="page", exact=True).click()
+            page.save("page")
         saved.value.save_as(tmp_path / "lab.html")
         assert (tmp_path / "lab.html").stat().st_size > 100_000
     finally:
@@ -124,6 +124,8 @@ def test_events_are_marked_and_lead_to_their_moment(page: Window) -> None:
 
 
 def test_nothing_that_changes_something_is_shown(page: Window) -> None:
+    page.page.click("button:text-is('save ▾')")
+    expect(page.page.get_by_role("button", name="picture")).to_be_visible()
     for name in (".driving", ".panel.errors", "#continue", "#newest", "text=save run", "text=save as…"):
         expect(page.page.locator(name).first).to_be_hidden()
     page.page.keyboard.press("m")
@@ -139,7 +141,7 @@ def test_nothing_that_changes_something_is_shown(page: Window) -> None:
 
 def test_the_page_of_the_run_is_downloaded_and_plays(page: Window, tmp_path: Path) -> None:
     with page.page.expect_download() as saved:
-        page.page.get_by_role("button", name="page", exact=True).click()
+        page.save("page")
     file = tmp_path / saved.value.suggested_filename
     saved.value.save_as(file)
     other = page.page.context.new_page()

@@ -186,7 +186,7 @@ def test_dialogs_say_where_the_folder_is_and_offer_names_that_are_free(window: W
     window.do(do="step", steps=2)
     for button in ("save run", "save as…"):
         for _ in range(2):
-            page.click(f"text={button}")
+            window.save(button)
             page.wait_for_selector("#asked-name")
             offered.append(page.input_value("#asked-name"))
             expect(page.locator("dialog .help")).to_contain_text(str(project))

@@ -147,6 +147,11 @@ class Window:
         """The value of an expression of the simulator's window: `newest.tick`."""
         return self.page.evaluate(f"{SIMULATOR}.{expression}")
 
+    def save(self, what: str) -> None:
+        """Choose something in the list of what can be saved."""
+        self.page.click("button:text-is('save ▾')")
+        self.page.locator(".save-list").get_by_role("button", name=what, exact=True).click()
+
     def until(self, expression: str, *, seconds: float = PATIENCE) -> None:
         """Wait until something holds of the window; names in the expression are the simulator's."""
         self.page.wait_for_function(

@@ -24,6 +24,7 @@ export function listenToClicks(simulator) {
   parts.asInFile.addEventListener("click", () => simulator.restoreAll());
   parts.controls.addEventListener("click", () => askControls(simulator));
   leadBack(parts.editor);
+  simulator.saving.listen();
   parts.saveRun.addEventListener("click", () => simulator.saving.run());
   parts.page.addEventListener("click", () => simulator.saving.page());
   parts.saveScenario.addEventListener("click", () => simulator.saving.scenario());

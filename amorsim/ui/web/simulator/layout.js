@@ -39,6 +39,16 @@ export function build({ stage, timebar, driving, form, replay, futures, fleet })
     in: h("button", { class: "tool", "aria-label": "zoom in (+)", title: "zoom in (+)" }, "+"),
     fit: h("button", { class: "tool", "aria-label": "see all (0)", title: "see all (0)" }, "all"),
   };
+  make("saveList", h(
+    "div",
+    { class: "save-list", id: "save-list", popover: true, role: "group", "aria-label": "save" },
+    make("saveRun", h("button", { class: "holders-only live-only server-only" }, "save run")),
+    make("saveScenario", h("button", { class: "holders-only live-only", title: "the scenario with its present parameters" }, "save as…")),
+    make("page", h("button", { class: "server-only", title: "this run as one file, which plays in any browser without amorsim" }, "page")),
+    make("picture", h("button", { title: "a picture of the view" }, "picture")),
+    make("film", h("button", { class: "server-only", title: "record the view as a GIF", "aria-pressed": "false" }, "GIF")),
+    make("video", h("button", { hidden: !VIDEO, title: "record the view as a video", "aria-pressed": "false" }, "video")),
+  ));
   const header = h(
     "header",
     { class: "bar" },
@@ -52,12 +62,8 @@ export function build({ stage, timebar, driving, form, replay, futures, fleet })
       "div",
       { class: "menu" },
       make("editor", h("button", { hidden: true, title: "back to the Editor, where all is as it was" }, "← edit")),
-      make("saveRun", h("button", { class: "holders-only live-only server-only" }, "save run")),
-      make("saveScenario", h("button", { class: "holders-only live-only", title: "the scenario with its present parameters" }, "save as…")),
-      make("page", h("button", { class: "server-only", title: "this run as one file, which plays in any browser without amorsim" }, "page")),
-      make("picture", h("button", { title: "a picture of the view" }, "picture")),
-      make("film", h("button", { class: "server-only", title: "record the view as a GIF", "aria-pressed": "false" }, "GIF")),
-      make("video", h("button", { hidden: !VIDEO, title: "record the view as a video", "aria-pressed": "false" }, "video")),
+      make("save", h("button", { popovertarget: "save-list", "aria-haspopup": "true", title: "the run, the scenario, a picture, a film" }, "save ▾")),
+      parts.saveList,
       make("asAtFirst", h("button", { class: "icon", hidden: true, "aria-label": "panels as at first", title: "panels as at first" }, "⊞")),
       make("lecture", h("button", { "aria-pressed": "false", title: "large, for a class (C)" }, "lecture")),
       make("theme", h("button", { class: "icon", "aria-label": "light or dark (L)", title: "light or dark (L)" }, "◐")),

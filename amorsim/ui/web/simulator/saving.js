@@ -12,6 +12,16 @@ export class Saving {
     this.film = null; // while one is recorded
   }
 
+  /** The list of what can be saved stands below its button, and closes when one is chosen. */
+  listen() {
+    const { save, saveList } = this.simulator.parts;
+    saveList.addEventListener("toggle", () => {
+      const { right, bottom } = save.getBoundingClientRect();
+      saveList.style.inset = `${bottom + 4}px ${Math.max(8, innerWidth - right)}px auto auto`;
+    });
+    saveList.addEventListener("click", () => saveList.hidePopover());
+  }
+
   get fileName() {
     const { scene, newest } = this.simulator;
     return `${scene?.scenario.replace(/\.[a-z]+$/, "") ?? "amorsim"}-${(newest?.time ?? 0).toFixed(1)}s`;
@@ -73,6 +83,8 @@ export class Saving {
     const taken = this.film;
     button.setAttribute("aria-pressed", String(!taken));
     say(button, taken ? name : `stop ${name}`);
+    if (taken) parts.saveList.append(parts.film, parts.video); // in their order
+    else parts.save.before(button); // in sight until it is pressed again
     (kind === "film" ? parts.video : parts.film).disabled = !taken;
     if (!taken) {
       this.film = new (kind === "film" ? Film : Video)(stage.canvases, () => stage.theme);

@@ -10,5 +10,5 @@ export const TOUR = [
   { at: ".panel.plot", words: "Over time. Drag along it to zoom; + adds a plot, ⤓ saves one." },
   { at: ".timeline", words: "Go back to any moment. From there, “continue here” begins another future; the one that was left stays beside it." },
   { at: ".panel.events", words: "What happened, newest first. A click goes to its moment and place." },
-  { at: ".bar .menu", words: "Keep it: the run as a folder, the scenario with its present values, the run as a page for anybody. “lecture” makes all of it large." },
+  { at: ".bar .menu", words: "Keep it, under “save”: the run as a folder, the scenario with its present values, the run as a page for anybody. “lecture” makes all of it large." },
 ];
