@@ -5,13 +5,14 @@ import math
 import numpy as np
 import pytest
 
+from amorsim.kernels import elementary
 from amorsim.kernels.sensing import slopes
 
-EVEN = 3.0
+EVEN, PATCH = 3.0, 0.05
 
 
 def former(ranges, turn, probes):
-    """What `along_walls` gives, array by array."""
+    """What `incidences` gives, array by array."""
 
     def end(reach, angle):
         known = np.isfinite(reach)
@@ -27,21 +28,32 @@ def former(ranges, turn, probes):
     along = np.where(both, left_x - right_x, np.where(nearer_left, left_x, right_x) - ahead)
     across = np.where(both, left_y - right_y, np.where(nearer_left, left_y, right_y))
     found = np.isfinite(ranges) & np.isfinite(np.minimum(left_gap, right_gap))
-    return np.where(found, along, 0.0), np.where(found, across, 1.0)
+    return elementary.arctan2(np.abs(np.where(found, along, 0.0)), np.abs(np.where(found, across, 1.0)))
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_walls_go_where_probes_end(seed):
+def test_the_angle_of_a_wall_is_that_of_the_line_where_probes_end(seed):
     rng = np.random.default_rng(seed)
     ranges = np.where(rng.random((500, 3)) < 0.1, np.inf, rng.uniform(0.01, 8.0, (500, 3)))
-    turn = np.arctan2(0.05, np.where(np.isfinite(ranges), ranges, 1.0))
+    turn = elementary.arctan2(PATCH, np.where(np.isfinite(ranges), ranges, 1.0))
     far = np.tile(np.where(np.isfinite(ranges), ranges, 1.0), 2) * rng.choice((1.0, 1.0, 1.02, 2.0), (500, 6))
     probes = np.where(rng.random((500, 6)) < 0.1, np.inf, far * rng.uniform(0.99, 1.01, (500, 6)))
-    along, across = np.empty(ranges.shape), np.empty(ranges.shape)
-    slopes.along_walls(ranges, turn, probes, EVEN, along, across)
-    expected = former(ranges, turn, probes)
-    assert along.tobytes() == expected[0].tobytes()
-    assert across.tobytes() == expected[1].tobytes()
+    found = np.empty(ranges.shape)
+    slopes.incidences(ranges, probes, PATCH, EVEN, found)
+    assert found.tobytes() == former(ranges, turn, probes).tobytes()
+
+
+@pytest.mark.parametrize("rows", [1, 200])
+def test_probes_are_beside_their_beams_on_both_sides(rows):
+    rng = np.random.default_rng(rows)
+    ranges = np.where(rng.random((200, 3)) < 0.1, np.inf, rng.uniform(0.01, 8.0, (200, 3)))
+    bearings = rng.uniform(-4.0, 4.0, (rows, 3))
+    cos, sin = np.empty((200, 6)), np.empty((200, 6))
+    slopes.probe(bearings, ranges, PATCH, cos, sin)
+    turn = elementary.arctan2(PATCH, np.where(np.isfinite(ranges), ranges, 1.0))
+    angles = np.concatenate((bearings + turn, bearings - turn), axis=1)
+    assert cos.tobytes() == np.cos(angles).tobytes()
+    assert sin.tobytes() == np.sin(angles).tobytes()
 
 
 @pytest.mark.parametrize("own", [True, False])
