@@ -181,6 +181,18 @@ def test_ends_of_the_range_and_numbers_that_are_none() -> None:
     assert not out[2:].any()
 
 
+@pytest.mark.parametrize("bad", [np.inf, -np.inf, np.nan, 1e308])
+def test_beams_of_no_direction_are_sorted_without_harm(bad: float) -> None:
+    cosines = np.tile(np.cos(FAN), (3, 1))
+    sines = np.tile(np.sin(FAN), (3, 1))
+    cosines[1] = sines[1] = bad
+    order, cos_s, _, starts = sorted_beams(cosines, sines, 3)
+    for scan in range(3):
+        assert sorted(order[scan].tolist()) == list(range(len(FAN)))
+        assert (starts[scan, 0], starts[scan, -1]) == (0, len(FAN))
+    np.testing.assert_array_equal(cos_s[0, : len(FAN)], cosines[0, order[0]])
+
+
 def test_a_large_world_of_many_walls() -> None:
     rng = np.random.default_rng(4)
     start = rng.random((6000, 2)) * 300

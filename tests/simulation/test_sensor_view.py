@@ -179,7 +179,7 @@ def test_a_bound_question_is_answered_from_arrays_as_they_are_now() -> None:
         origins = np.repeat(view.pose, 2, axis=0)
         for beams in (2, 41):
             fan = np.linspace(-1.0, 1.0, beams)[None, :]
-            towards = am.contracts.Directions(np.empty((6, beams)), np.empty((6, beams)))
+            towards = am.contracts.Directions(*np.full((2, 6, beams), np.inf))  # whatever they are before a call
             shape, limits = (6, beams), np.array([5.0, -1.0, 1.0, 8.0, 2.0, -1.0])
             ranges, thing = np.empty(shape), np.empty(shape, dtype=np.int64)
             cast, walls, bearing, nearest = np.empty(shape), np.empty(shape), np.empty((3, 2)), np.empty((3, 2))

@@ -80,7 +80,7 @@ class SortedBeams(NamedTuple):
 def _place(x: float, y: float) -> float:
     """In [0, 4], growing with the angle of (x, y): quarter turns, but not of equal steps, without an arc tangent."""
     sum_ = abs(x) + abs(y)
-    part = y / sum_ if sum_ > 0.0 else 0.0
+    part = y / sum_ if 0.0 < sum_ < math.inf else 0.0  # not of nan or inf, which are in no sector
     ahead = part if y >= 0.0 else 4.0 + part
     return ahead if x >= 0.0 else 2.0 - part
 

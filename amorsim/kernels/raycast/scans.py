@@ -21,7 +21,7 @@ from amorsim.kernels.grid.grid import Grid, is_occupied
 from amorsim.kernels.grid.segments import RINGS, SAFETY, SegmentIndex, SortedBeams, bound_scan, bucket_of
 from amorsim.kernels.raycast.rays import cell_of, direction, march, rounding, to_frame
 
-__all__ = ["cast_scans", "sort_beams", "sorted_beams"]
+__all__ = ["cast_scans", "sort_beams", "sorted_beams", "unsorted_beams"]
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -326,13 +326,17 @@ def sort_beams(cos_b: Floats, sin_b: Floats, order: Integers, cos_s: Floats, sin
 
 def sorted_beams(cos_b: Floats, sin_b: Floats, poses: int) -> tuple[Integers, Floats, Floats, Integers]:
     """The beams (B, k) of scans as `cast_scans` takes them, for so many poses; see `sort_beams`."""
-    scans, count = cos_b.shape
+    beams = unsorted_beams(poses, *cos_b.shape)
+    sort_beams(cos_b, sin_b, *beams)
+    return beams
+
+
+def unsorted_beams(poses: int, scans: int, count: int) -> tuple[Integers, Floats, Floats, Integers]:
+    """Arrays for `sort_beams`, of so many `scans` of `count` beams that are cast from so many `poses`."""
     scale = FINE if scans == 1 and poses >= _FEW else COARSE
     lanes = (count + LANES - 1) // LANES * LANES
     order, starts = np.empty((scans, count), np.int64), np.empty((scans, int(4.0 * scale) + 1), np.int64)
-    cos_s, sin_s = np.empty((scans, lanes)), np.empty((scans, lanes))
-    sort_beams(cos_b, sin_b, order, cos_s, sin_s, starts)
-    return order, cos_s, sin_s, starts
+    return order, np.empty((scans, lanes)), np.empty((scans, lanes)), starts
 
 
 @kernel

@@ -201,7 +201,7 @@ def bind_walls(
     place, and the bearings their values unless `bearings_change`.
     """
     is_scan = traversal != "bresenham" and cos_b.shape[1] > 1 and (len(cos_b) == 1 or cos_b.shape[1] >= _FEW)
-    sorted_scan = scans.sorted_beams(cos_b, sin_b, len(origins)) if is_scan else ()
+    sorted_scan = scans.unsorted_beams(len(origins), *cos_b.shape) if is_scan else ()
 
     def prepare(first: int, end: int) -> Callable[[], None]:
         calls: list[Callable[[], None]] = []
@@ -219,6 +219,10 @@ def bind_walls(
         return in_turn(calls)
 
     walls = world.workers.bind(len(origins), out.shape[1], prepare)
-    if is_scan and bearings_change:
-        return in_turn([functools.partial(scans.sort_beams, cos_b, sin_b, *sorted_scan), walls])
+    if not is_scan:
+        return walls
+    sort = functools.partial(scans.sort_beams, cos_b, sin_b, *sorted_scan)
+    if bearings_change:
+        return in_turn([sort, walls])
+    sort()
     return walls
