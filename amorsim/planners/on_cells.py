@@ -31,7 +31,7 @@ _AT_A_TIME = 20_000  # cells, some milliseconds, so that Ctrl-C is noticed
 
 @attrs.frozen(kw_only=True)
 class CellPlanner(Planner):
-    """A planner that keeps to free cells: as a whole, they keep the footprint's reach from every occupied cell."""
+    """A planner that keeps to free cells: those that are at least the footprint's reach from every occupied one."""
 
     cell: float | None = parameter(
         None, unit="m", gt=0, help="side of the cells; without it that of the map's, or up to 0.05 m on fine large maps"

@@ -193,6 +193,9 @@ def test_fields_of_each_kind_are_there_and_say_where_their_values_come_from(wind
         "() => [...new Set([...document.querySelectorAll('[data-path]')].map(e => e.dataset.kind))].sort()"
     )
     assert kinds == ["choice", "forms", "list", "name", "number", "text"]
+    about = window.see("form.fields.get('sensors.sonar.elements').help.textContent")
+    assert about.startswith("where each element sits on the mount, and looks")
+    assert "object" not in about  # what the list holds stands in its rows, not in the words about it
     # A number of an element of a ring.
     page.evaluate("document.querySelectorAll('details').forEach(one => one.open = true)")
     x = window.field("sensors.sonar.elements.2.x").locator("input[type=text]")

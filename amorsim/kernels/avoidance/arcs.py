@@ -38,7 +38,7 @@ class Box(NamedTuple):
 
 @part
 def distance_to_box(x: float, y: float, box: Box) -> float:
-    """The room [m] that a point leaves a box: the distance to its rectangle or to its disc, whichever is larger."""
+    """How far [m] a point is from a box, at least: from its rectangle or from its disc, whichever is farther."""
     dx = max(box.rear - x, x - box.front, 0.0)
     dy = max(box.right - y, y - box.left, 0.0)
     return max(math.sqrt(dx * dx + dy * dy), math.sqrt(x * x + y * y) - box.reach)

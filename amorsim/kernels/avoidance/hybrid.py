@@ -99,7 +99,7 @@ def _off(wish: Wish, x: float, y: float) -> float:
 
 @part
 def _add_alone(cones: Floats, clear: int, wish: Wish, a: int, count: int, out: Floats) -> int:
-    """As `_add`: where side `a` is nearest to the wanted velocity, and where it meets the circle of the top speed.
+    """Add, as `_add` does, where side `a` is nearest to the wanted velocity, and where it meets the top speed's circle.
 
     Cone j has the sides 2 j and 2 j + 1.
     """
@@ -132,7 +132,7 @@ def _is_useful(cones: Floats, wish: Wish, a: int) -> bool:
 
 @part
 def _add_crossings(cones: Floats, clear: int, wish: Wish, a: int, useful: Bools, count: int, out: Floats) -> int:
-    """As `_add`: where side `a` meets earlier ones that are `useful`."""
+    """Add, as `_add` does, where side `a` meets those earlier sides that are `useful`."""
     ax, ay = cones[a // 2, 0], cones[a // 2, 1]
     dx, dy = cones[a // 2, 2 + 2 * (a % 2)], cones[a // 2, 3 + 2 * (a % 2)]
     for b in range(a):

@@ -88,7 +88,10 @@ def swing(p: Floats, x: float, y: float) -> None:
 
 @part
 def bend(p: Floats, out: Floats) -> None:
-    """The second moments xx, xy, yy of how far arcs lead aside, into `out` (3,): t u / 2 by a shift u with a turn t."""
+    """Write the second moments xx, xy, yy of how far arcs lead aside into `out` (3,).
+
+    A shift u along with a turn t leads aside by t u / 2.
+    """
     out[0] = 0.25 * (p[2, 2] * p[1, 1] + 2.0 * p[1, 2] * p[1, 2])
     out[1] = -0.25 * (p[2, 2] * p[0, 1] + 2.0 * p[0, 2] * p[1, 2])
     out[2] = 0.25 * (p[2, 2] * p[0, 0] + 2.0 * p[0, 2] * p[0, 2])

@@ -95,12 +95,11 @@ def word_mask(row0: int, col0: int, row1: int, col1: int) -> Any:
 
 @kernel
 def square_ahead(grid: Grid, row: int, col: int, quadrant: int) -> Any:
-    """`(side, shift)`: side [cells] of a free square that has the free unit holding a cell as its near
-    corner.
+    """The side [cells] of a free square about a cell, as `(side, shift)`; the side is 0 where there is none.
 
-    The unit is a word, page or table, ``1 << shift`` cells wide (shift 3, 6 or 12); the square starts at the
-    unit's side that a ray of this quadrant comes in by, so it contains the cell. The side is 0 where the word
-    that holds the cell is not empty, and outside the map.
+    At the square's near corner, where a ray of this quadrant enters it, is the free word, page or table that holds the
+    cell; that unit is ``1 << shift`` cells wide (shift 3, 6 or 12). There is no square where the word that holds the
+    cell is not empty, nor outside the map.
     """
     if row < 0 or col < 0 or row >= grid.rows or col >= grid.cols:
         return 0, 3

@@ -114,7 +114,7 @@ class Setter:
                 return
 
     def _drop_error(self, error: Path_) -> None:
-        """Remove an error from the file where the same holds without it."""
+        """Remove an error from the file if it changes nothing there."""
         present = found_at(self._editor.values, error)
         if present is MISSING or not is_error(present):
             return

@@ -88,7 +88,7 @@ class Origins:
         self._merged: tuple[Any, dict[str, Any], FaultCollector] | None = None
 
     def merged(self, values: dict[str, Any], path: Path_) -> dict[str, Any]:
-        """The values with the model and the devices of the robot that a path leads to under the robot's own."""
+        """The values of a robot that a path leads to: its own, and below them those of its model and its devices."""
         at = KINDS[kind_of(values)]
         root = lifted(values)
         if not _may_inherit(root, (*at, *path)):

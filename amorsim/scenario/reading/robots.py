@@ -119,7 +119,7 @@ def read_robot(
     drive = None
 
     def is_change(part: Node) -> bool:
-        """Whether this changes a component of the model that could not be read, so that it is not known which."""
+        """Whether this table changes a component of a model that could not be read: it names none itself."""
         return is_incomplete and part.is_table and not {"use", "model"} & set(part.value)
 
     if "drive" in node and not is_change(node.child("drive")):

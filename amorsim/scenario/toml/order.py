@@ -28,9 +28,9 @@ def reordered(values: dict[str, Any], path: Path_, number: int, place: int) -> d
 
 
 def exchanged(lines: Sequence[str], own: Run, other: Run, newline: str) -> tuple[int, int, list[str]]:
-    """The replacements of lines that put a run of lines where another one is.
+    """The replacements of lines by which a run of lines moves to where another one is.
 
-    Runs of several lines, tables with a header, are kept apart by a blank line; single ones, pairs, are not.
+    A blank line keeps runs of several lines (tables with a header) apart, but not single lines (pairs).
     """
     (start, stop), (first, last) = own, other
     moved = list(lines[start:stop])

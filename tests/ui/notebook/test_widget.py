@@ -103,7 +103,7 @@ def test_its_page_plays_the_kernel_s_simulation(browser: Any) -> None:
     until(lambda: inner.evaluate(f"{SIMULATOR}.newest?.tick") == 7)
     assert sim.tick == 7
     sim.run(2.0)  # the next cell
-    inner.evaluate(f"void {SIMULATOR}.askState()")
+    inner.evaluate(f"void {SIMULATOR}.reader.readState()")
     until(lambda: inner.evaluate(f"{SIMULATOR}.newest.tick") == sim.tick)
     before = sim.robot("rover").true.drive.track
     inner.evaluate(f"void {SIMULATOR}.ask({{do: 'set', robot: 'rover', path: 'drive.track', value: {before * 1.05}}})")

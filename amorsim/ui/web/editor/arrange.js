@@ -60,7 +60,7 @@ export async function array(page, columns, right, rows, up) {
  * @param {import("./editor.js").EditorPage} page */
 export async function mirror(page) {
   const { stage } = page;
-  const things = stage.chosenThings.filter(({ pose, moves }) => pose && moves);
+  const things = stage.standing.filter(({ moves }) => moves);
   const walls = page.wallsFixed ? [] : stage.chosenWalls;
   const xs = [...things.map(({ pose }) => pose[0]), ...walls.flatMap((n) => [stage.walls.walls[n][0], stage.walls.walls[n][2]])];
   if (!xs.length) return;

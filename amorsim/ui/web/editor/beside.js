@@ -1,6 +1,6 @@
 // A panel beside the drawing, in the place of the list and the inspector: one at a time.
 
-import { h } from "../shared/dom.js";
+import { h, there } from "../shared/dom.js";
 
 /**
  * Open a panel; it tells of its end by the event "close".
@@ -12,7 +12,7 @@ import { h } from "../shared/dom.js";
 export function openBeside(page, title, body, buttons) {
   page.closeBeside?.();
   const element = h("section", { class: "panel beside", "aria-label": title }, h("div", { class: "head" }, h("h2", {}, title), h("div", { class: "tools" }, buttons)), body);
-  const panels = page.root.querySelector(".panels");
+  const panels = there(page.root.querySelector(".panels"));
   panels.append(element);
   panels.classList.add("with-beside");
   const close = () => {

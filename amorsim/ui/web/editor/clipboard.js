@@ -104,6 +104,7 @@ function free(page, clip, points) {
   const step = page.grid || 0.1;
   const bodies = clip.things.flatMap(({ thing }) => (thing?.pose && thing.footprint ? [{ at: thing.pose, far: reach(thing.footprint) }] : []));
   const others = stage.things.flatMap((thing) => (thing.pose && thing.footprint ? [{ at: thing.pose, far: reach(thing.footprint) }] : []));
+  /** @param {number[]} by */
   const isFree = ([dx, dy]) => bodies.every(({ at: [x, y], far }) => {
     const [u, v] = [x + dx, y + dy];
     const [x0, y0, x1, y1] = stage.still?.extent ?? [-Infinity, -Infinity, Infinity, Infinity];

@@ -106,6 +106,7 @@ export async function dress(area, mode, choices = null) {
   const { acceptCompletion, bracketMatching, defaultKeymap, EditorState, EditorView, history, historyKeymap, indentUnit, indentWithTab, keymap, lineNumbers } = code;
   const host = h("div", { class: "code-editor" });
   const root = host.attachShadow({ mode: "open" });
+  /** Called when the text has changed, and when it is left. @type {[(() => void)[], (() => void)[]]} */
   const [changed, left] = [[], []];
   const faults = faultLines(code);
   area.hidden = true;

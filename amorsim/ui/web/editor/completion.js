@@ -40,6 +40,7 @@ export async function choicesAt(page, lines, line, before) {
     const seen = new Set(keys);
     return { from: before.length - key[1].length, choices: choices.filter(({ text }) => !seen.has(text) && seen.add(text)) };
   }
+  if (!value) return null;
   const values = value[1] === "use" ? section?.use?.choices : valuesOf(own.find((field) => field.path === `${path}.${value[1]}`)?.widget);
   return values ? { from: before.length - value[2].length, choices: values.map((one) => ({ text: `"${one}"`, help: "" })) } : null;
 }

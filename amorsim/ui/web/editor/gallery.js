@@ -52,13 +52,14 @@ export function showGallery(page, title, groups) {
       const card = { element, words: `${entry.name} ${name} ${entry.sentence ?? ""}`.toLowerCase() };
       cards.push(card);
       if (entry.footprint) drawOutline(canvas, entry.footprint, page.stage.theme);
-      if (entry.of) {
+      const { of } = entry;
+      if (of) {
         whenSeen(canvas, async () => {
-          const said = await cardOf(page, entry.of);
+          const said = await cardOf(page, of);
           if (!said.ok || !canvas.isConnected) return;
           sentence.textContent = said.sentence;
           card.words += ` ${said.sentence.toLowerCase()}`;
-          drawStill(canvas, said, entry.of[0], page.stage.theme);
+          drawStill(canvas, said, of[0], page.stage.theme);
         });
       } else if (!entry.footprint) canvas.remove();
       return element;

@@ -1,5 +1,6 @@
 // Plane geometry for drawing: where a pointer snaps to, and what lies in a box. Pure functions.
 
+import { there } from "../shared/dom.js";
 import { SpatialIndex } from "../shared/spatial.js";
 
 /** @typedef {{x: number, y: number, kind: string}} Snapped a point, and what it snapped to: "end", "middle", "wall", "grid" or "" */
@@ -118,7 +119,8 @@ export const isIn = ([a, b, c, d], [x0, y0, x1, y1]) =>
 export function boxOf(footprint, [x, y, heading]) {
   if (footprint.circle) return [x - footprint.circle, y - footprint.circle, x + footprint.circle, y + footprint.circle];
   const [c, s] = [Math.cos(heading), Math.sin(heading)];
-  const [xs, ys] = [footprint.polygon.map(([u, v]) => x + u * c - v * s), footprint.polygon.map(([u, v]) => y + u * s + v * c)];
+  const polygon = there(footprint.polygon);
+  const [xs, ys] = [polygon.map(([u, v]) => x + u * c - v * s), polygon.map(([u, v]) => y + u * s + v * c)];
   return [Math.min(...xs), Math.min(...ys), Math.max(...xs), Math.max(...ys)];
 }
 
@@ -131,7 +133,7 @@ export function holds(footprint, [px, py, heading], x, y) {
   const [c, s] = [Math.cos(heading), Math.sin(heading)];
   const [u, v] = [dx * c + dy * s, dy * c - dx * s];
   let isInside = false;
-  const points = footprint.polygon;
+  const points = there(footprint.polygon);
   points.forEach(([xi, yi], i) => {
     const [xj, yj] = points[(i + points.length - 1) % points.length];
     if (yi > v !== yj > v && u < ((xj - xi) * (v - yi)) / (yj - yi) + xi) isInside = !isInside;

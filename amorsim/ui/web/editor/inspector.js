@@ -1,6 +1,6 @@
 // The inspector: what the selected thing says, as forms where its fields are known, and else as TOML.
 
-import { h, say } from "../shared/dom.js";
+import { h, say, there } from "../shared/dom.js";
 import { makeField } from "../shared/fields.js";
 import { manualButton } from "../shared/manual.js";
 import { shapeOf } from "../shared/nested_fields.js";
@@ -65,7 +65,7 @@ export class Inspector {
       return;
     }
     say(this.title, one.title);
-    this.show(one.path, said.sections);
+    this.show(there(one.path), said.sections);
   }
 
   /** @param {string} title

@@ -1,5 +1,6 @@
 // Layers of the Editor's canvas: the marks of what is selected, and what a tool is about to do.
 
+import { there } from "../shared/dom.js";
 import { reach, trace } from "../shared/footprint.js";
 import { SceneLayer } from "../shared/world.js";
 import { boxOf } from "./geometry.js";
@@ -36,7 +37,7 @@ export class MarksLayer extends SceneLayer {
     for (const thing of chosen) {
       const pose = stage.poseOf(thing);
       if (!pose) continue;
-      const [x0, y0, x1, y1] = boxOf(thing.footprint, pose);
+      const [x0, y0, x1, y1] = boxOf(there(thing.footprint), pose);
       context.rect(x0 - 4 * px, y0 - 4 * px, x1 - x0 + 8 * px, y1 - y0 + 8 * px);
       const isBody = thing.robots.length + thing.obstacles.length > 0;
       if (this.isDragged && !isBody) trace(context, thing.footprint, pose[0], pose[1], pose[2]); // a zone, a landmark, a lamp

@@ -1,6 +1,6 @@
 // What the inspector offers besides forms: drawing points, saving models, writing programs, previews.
 
-import { h } from "../shared/dom.js";
+import { h, there } from "../shared/dom.js";
 import { newController, programOf, showCode } from "./code.js";
 import { round } from "./geometry.js";
 import { PathTool } from "./path_tool.js";
@@ -24,7 +24,7 @@ export function drawing(page, { path, label }) {
  * @param {import("./editor.js").EditorPage} page
  * @param {import("./stage.js").Thing} thing */
 function outlining(page, thing) {
-  const [x, y, heading] = thing.pose;
+  const [x, y, heading] = there(thing.pose);
   const [c, s] = [Math.cos(heading), Math.sin(heading)];
   return row(button("draw the outline", () => {
     page.hold(new PathTool(page, "outline's corners", (points) => {

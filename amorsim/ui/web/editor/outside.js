@@ -21,7 +21,7 @@ export function showTools(page) {
   if (page.wantedTool && !state.walls_fixed && !watching) {
     page.take(page.wantedTool); // for which the walls were made a file
     page.wantedTool = "";
-  } else if (WALL_TOOLS.includes(page.toolName) && (state.walls_fixed || state.cells)) page.take("select");
+  } else if (WALL_TOOLS.includes(page.toolName ?? "") && (state.walls_fixed || state.cells)) page.take("select");
 }
 
 /** Show which window holds the pen, and the button that asks for it.

@@ -12,8 +12,7 @@ import { startAt } from "./ghosts.js";
 export function thingAt(stage, { x, y }) {
   const near = NEAR / stage.camera.scale;
   const hit = stage.things
-    .filter((thing) => stage.isFree(thing.kind) && thing.pose && thing.footprint)
-    .filter(({ footprint, pose }) => holds(footprint, pose, x, y) || Math.hypot(pose[0] - x, pose[1] - y) <= near)
+    .filter(({ kind, footprint, pose }) => pose && footprint && stage.isFree(kind) && (holds(footprint, pose, x, y) || Math.hypot(pose[0] - x, pose[1] - y) <= near))
     .sort((a, b) => reach(a.footprint) - reach(b.footprint));
   const small = hit.find(({ kind }) => kind !== "zone");
   if (small) return stage.chosenOf(small);
@@ -36,10 +35,11 @@ export function thingAt(stage, { x, y }) {
 function seriesAt(stage, x, y, near) {
   if (!stage.still || !stage.scene) return null;
   const { robots, obstacles } = stage.still;
+  const { scene } = stage;
   const isAt = (pose, far) => pose && Math.hypot(pose[0] - x, pose[1] - y) <= Math.max(far, near);
   return stage.things.find(
     (thing) =>
       !thing.pose && stage.isFree(thing.kind) &&
-      (thing.robots.some((i) => isAt(robots[i], stage.scene.robots[i].reach)) || thing.obstacles.some((i) => isAt(obstacles[i], stage.scene.obstacles[i].reach))),
+      (thing.robots.some((i) => isAt(robots[i], scene.robots[i].reach)) || thing.obstacles.some((i) => isAt(obstacles[i], scene.obstacles[i].reach))),
   );
 }

@@ -105,7 +105,7 @@ export function turn(page, angle) {
   const middle = [0, 1].map((k) => (Math.min(...all.map((box) => box[k])) + Math.max(...all.map((box) => box[k + 2]))) / 2);
   const [c, s] = [Math.cos(angle), Math.sin(angle)];
   const turned = (x, y) => [round(middle[0] + (x - middle[0]) * c - (y - middle[1]) * s), round(middle[1] + (x - middle[0]) * s + (y - middle[1]) * c)];
-  const things = stage.chosenThings.filter(({ pose, moves }) => pose && moves);
+  const things = stage.standing.filter(({ moves }) => moves);
   const changes = things.map((thing) => poseChange(thing, [...turned(thing.pose[0], thing.pose[1]), thing.pose[2] + (thing.turns ? angle : 0)]));
   const walls = page.wallsFixed ? [] : stage.chosenWalls.map((n) => {
     const [a, b, e, f] = stage.walls.walls[n];

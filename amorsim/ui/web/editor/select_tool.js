@@ -1,5 +1,6 @@
 // The tool that selects, moves and turns things: by click, box, drag and arrow keys.
 
+import { there } from "../shared/dom.js";
 import { Tool } from "../shared/tool.js";
 import { round, wordsOf } from "./geometry.js";
 import { placeChange, shifted, startsOf } from "./ghosts.js";
@@ -51,7 +52,7 @@ export class SelectTool extends Tool {
     this.found = stage.at(place);
     const isChosen = this.found && stage.selection.has(this.found.kind, this.found.key);
     if (this.found && !isChosen) stage.selection.set(event.shiftKey ? [...stage.selection.things, this.found] : [this.found]);
-    else if (isChosen && event.shiftKey) stage.selection.set(stage.selection.things.filter(({ key }) => key !== this.found.key));
+    else if (isChosen && event.shiftKey) stage.selection.set(stage.selection.things.filter(({ key }) => key !== this.found?.key));
   }
 
   /** Take hold of a grip that lies under the pointer; with Ctrl, a point of a path is removed. */
@@ -89,8 +90,9 @@ export class SelectTool extends Tool {
     if (this.doing === "press") this.doing = this.found ? "move" : "box";
     if (this.doing === "move" && !this.page.isHolder) return;
     if (this.doing === "grip") {
-      const to = this.grip.snaps ? stage.walls.snap(place, { ...this.page.snapping(event, null), isTurned: false }) : place;
-      this.grip.drag(to, event.altKey, event);
+      const grip = there(this.grip);
+      const to = grip.snaps ? stage.walls.snap(place, { ...this.page.snapping(event, null), isTurned: false }) : place;
+      grip.drag(to, event.altKey, event);
       return;
     }
     if (this.doing === "box") {
@@ -100,16 +102,17 @@ export class SelectTool extends Tool {
     } else if (this.doing === "move") this.shift(place.x - this.from.x, place.y - this.from.y, event.altKey);
     else if (this.doing === "turn") {
       const [thing] = stage.chosenThings;
-      const [x, y] = thing.pose;
+      const [x, y] = there(thing.pose);
       const angle = Math.atan2(place.y - y, place.x - x);
       const step = event.altKey ? 0.1 * DEGREE : 5 * DEGREE;
-      stage.place(thing, [x, y, Math.round(angle / step) * step]);
-      stage.preview = { words: `${Math.round(stage.moved.get(thing.path)[2] / (0.1 * DEGREE)) / 10}°`, at: [place.x, place.y] };
+      const heading = Math.round(angle / step) * step;
+      stage.place(thing, [x, y, heading]);
+      stage.preview = { words: `${Math.round(heading / (0.1 * DEGREE)) / 10}°`, at: [place.x, place.y] };
     } else if (this.doing === "end") {
       const wall = [...stage.walls.walls[stage.chosenWalls[0]]];
       const other = this.end ? [wall[0], wall[1]] : [wall[2], wall[3]];
       const mark = stage.walls.snap(place, this.page.snapping(event, other));
-      wall.splice(2 * this.end, 2, mark.x, mark.y);
+      wall.splice(2 * (this.end ?? 0), 2, mark.x, mark.y);
       stage.preview = { walls: [wall], mark, words: wordsOf(wall), at: [mark.x, mark.y], wall };
       stage.redraw();
     }
@@ -118,7 +121,7 @@ export class SelectTool extends Tool {
   /** Draw what is selected shifted by so much, on the grid by what was pressed. */
   shift(dx, dy, isFree) {
     const { stage } = this;
-    const things = stage.chosenThings.filter(({ moves, pose }) => moves && pose);
+    const things = stage.standing.filter(({ moves }) => moves);
     const walls = this.page.wallsFixed ? [] : stage.chosenWalls;
     const starts = stage.chosenOnes.flatMap((thing) => startsOf(thing));
     const base = things[0]?.pose ?? stage.walls.walls[walls[0]] ?? starts[0]?.points[0];
@@ -143,7 +146,7 @@ export class SelectTool extends Tool {
       return;
     }
     if (doing === "grip") {
-      const dropped = this.grip.drop();
+      const dropped = there(this.grip).drop();
       if (dropped) this.page.edit(dropped.label, dropped.changes ?? [dropped.change]);
       else stage.putBack();
       return;
@@ -201,7 +204,7 @@ export class SelectTool extends Tool {
         turn(page, angle);
         return true;
       }
-      for (const thing of stage.chosenThings.filter(({ turns, pose }) => turns && pose)) {
+      for (const thing of stage.standing.filter(({ turns }) => turns)) {
         stage.place(thing, [thing.pose[0], thing.pose[1], thing.pose[2] + angle]);
       }
       this.commit("turn");

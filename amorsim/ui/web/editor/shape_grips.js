@@ -1,5 +1,6 @@
 // Grips of shapes: the corners of a rectangle, the vertices of a polygon, the rim of a circle; and of what a sensor sees.
 
+import { there } from "../shared/dom.js";
 import { poseChange } from "./poses.js";
 import { round } from "./geometry.js";
 
@@ -48,8 +49,8 @@ const change = (thing, shape, pose) => ({
  * @param {Thing} thing
  * @returns {Grip} */
 function rimGrip(stage, thing) {
-  const { pose } = thing;
-  const before = thing.footprint.circle;
+  const pose = there(thing.pose);
+  const before = there(thing.footprint?.circle);
   let radius = before;
   const [x, y] = [pose[0], pose[1] - before]; // below, where the handle that turns is not
   const drag = (point) => {
@@ -65,8 +66,8 @@ function rimGrip(stage, thing) {
  * @param {Thing} thing
  * @returns {Grip[]} */
 function cornerGrips(stage, thing) {
-  const { pose } = thing;
-  const points = thing.footprint.polygon;
+  const pose = there(thing.pose);
+  const points = there(thing.footprint?.polygon);
   const [long, wide] = [0, 1].map((k) => Math.max(...points.map((point) => point[k])) - Math.min(...points.map((point) => point[k])));
   const asks = {
     title: `Size of ${thing.name}`,
@@ -105,8 +106,8 @@ function cornerGrips(stage, thing) {
  * @param {Thing} thing
  * @returns {Grip[]} */
 function vertexGrips(stage, thing) {
-  const { pose } = thing;
-  const points = thing.footprint.polygon;
+  const pose = there(thing.pose);
+  const points = there(thing.footprint?.polygon);
   /** @param {number} number
    * @param {number[]} at
    * @param {boolean} isNew */
@@ -154,7 +155,7 @@ export function viewGrips(stage, thing, sensor) {
   const setOpening = (value) => ({ label: label("opening"), changes: [{ op: "set", path: `${path}.${key}`, value: angleOf(value) }] });
   let [range, angle] = [far, opening];
   const show = (words, point) => {
-    stage.stretch(sensor, range / far, opening ? angle / opening : 1);
+    stage.stretch(sensor, range / far, opening ? (angle ?? opening) / opening : 1);
     stage.preview = { words, at: [point.x, point.y] };
   };
   const grips = [

@@ -1,5 +1,7 @@
 // The Editor's canvas: what can be drawn of the document, what is selected, and what a tool is about to do.
 
+import { there } from "../shared/dom.js";
+import { mapOf } from "../shared/scene.js";
 import { StillRobotLayer, StillStage, atRest, stillFrame } from "../shared/still.js";
 import { BodiesLayer, NamesLayer } from "../shared/world.js";
 import { Carried } from "./carried.js";
@@ -90,7 +92,7 @@ export class EditStage extends StillStage {
     this.selection.listeners = listeners;
     this.whole = undefined;
     if (this.hidden.size) this.hide();
-    this.walls = new Walls(still?.scene.maps[still.scene.map]?.segments ?? [], still?.extent ?? [0, 0, 1, 1]);
+    this.walls = new Walls(mapOf(still?.scene)?.segments ?? [], still?.extent ?? [0, 0, 1, 1]);
     this.selection.set(chosen.flatMap((one) => this.again(/** @type {Chosen} */ (one))));
   }
 
@@ -126,9 +128,14 @@ export class EditStage extends StillStage {
     return this.chosenOnes.filter(({ footprint }) => footprint);
   }
 
+  /** Those of them that stand somewhere. */
+  get standing() {
+    return this.chosenThings.flatMap(({ pose, ...thing }) => (pose ? [{ ...thing, pose }] : []));
+  }
+
   /** The same, with those that have no place of their own. */
   get chosenOnes() {
-    return this.selection.things.flatMap((one) => this.byPath.get(/** @type {Chosen} */ (one).path) ?? []);
+    return this.selection.things.flatMap((one) => this.byPath.get(/** @type {Chosen} */ (one).path ?? "") ?? []);
   }
 
   /** The points of a thing in the world, as they are or are being dragged.
@@ -178,7 +185,7 @@ export class EditStage extends StillStage {
   carry(which, n, pose) {
     if (!this.frame) return;
     if (!this.carried) {
-      this.carried = stillFrame(this.still);
+      this.carried = stillFrame(there(this.still));
       this.carried.truePoses.fill(NaN);
       this.carried.obstacles.fill(NaN);
     }
@@ -285,6 +292,7 @@ export class EditStage extends StillStage {
    * @returns {Chosen[]} */
   within(box) {
     const [x0, y0, x1, y1] = box;
+    /** @param {number[]} point */
     const isInside = ([x, y]) => x >= x0 && x <= x1 && y >= y0 && y <= y1;
     const things = this.things.filter((thing) => {
       const points = thing.pose ? (thing.moves ? [thing.pose] : []) : startsOf(thing).flatMap((place) => place.points);

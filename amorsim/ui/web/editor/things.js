@@ -1,12 +1,13 @@
 // What can be added to a scenario: each kind with its outline, and the table that the file says of a new one.
 
+import { there } from "../shared/dom.js";
 import { round } from "./geometry.js";
 
 /** The outline of a shape as files have it.
  * @param {{circle?: number, rectangle?: number[]}} shape */
 export function footprintOf({ circle, rectangle }) {
   if (circle) return { circle };
-  const [a, b] = rectangle.map((side) => side / 2);
+  const [a, b] = there(rectangle).map((side) => side / 2);
   return { polygon: [[-a, -b], [a, -b], [a, b], [-a, b]] };
 }
 

@@ -2,7 +2,7 @@
 // It is kept by this browser, and is not part of the scenario.
 
 import { open } from "../shared/dialogs.js";
-import { h, say } from "../shared/dom.js";
+import { h, say, context2d, there } from "../shared/dom.js";
 import { numberIn } from "../shared/field.js";
 import { Layer } from "../shared/layer.js";
 import { DrawTool } from "./draw_tools.js";
@@ -31,7 +31,8 @@ export class UnderlayLayer extends Layer {
 
   /** @param {import("../shared/layer.js").Brush} brush */
   draw({ context }) {
-    const { image, place } = this;
+    const image = there(this.image);
+    const { place } = this;
     context.save();
     context.globalAlpha = place.opacity;
     context.translate(place.x, place.y);
@@ -82,7 +83,7 @@ async function addressOf(file) {
   const scale = Math.min(1, WIDEST / Math.max(picture.width, picture.height));
   const canvas = document.createElement("canvas");
   [canvas.width, canvas.height] = [Math.round(picture.width * scale), Math.round(picture.height * scale)];
-  canvas.getContext("2d").drawImage(picture, 0, 0, canvas.width, canvas.height);
+  context2d(canvas).drawImage(picture, 0, 0, canvas.width, canvas.height);
   return canvas.toDataURL("image/png");
 }
 

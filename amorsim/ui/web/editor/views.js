@@ -75,7 +75,7 @@ export class ViewsLayer extends SceneLayer {
     const { stage } = this;
     const [thing] = stage.chosenThings;
     const pose = stage.poseOf(thing);
-    const robot = stage.scene.robots[thing.robots[0]];
+    const robot = stage.scene?.robots[thing.robots[0]];
     if (!pose || !robot) return;
     for (const own of robot.sensors) {
       const sensor = stretched(own, stage.stretched);

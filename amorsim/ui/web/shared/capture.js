@@ -1,5 +1,7 @@
 // A picture, a GIF and a video of the view: the panes as they are drawn, side by side.
 
+import { context2d } from "./dom.js";
+
 const MOST_FRAMES = 300;
 const GIF_WIDTH = 900;
 const VIDEO_WIDTH = 1920;
@@ -21,7 +23,7 @@ export function compose(canvases, theme, widest = Infinity) {
   const whole = document.createElement("canvas");
   whole.width = Math.round(width * scale);
   whole.height = Math.round(height * scale);
-  const context = whole.getContext("2d", { alpha: false });
+  const context = context2d(whole, { alpha: false });
   context.fillStyle = theme.line;
   context.fillRect(0, 0, whole.width, whole.height);
   let left = 0;
@@ -111,7 +113,7 @@ export class Video {
     // A view that was made larger meanwhile is fitted in.
     const { width, height } = this.canvas;
     const scale = Math.min(width / view.width, height / view.height, 1);
-    const context = this.canvas.getContext("2d", { alpha: false });
+    const context = context2d(this.canvas, { alpha: false });
     context.fillStyle = this.theme().line;
     context.fillRect(0, 0, width, height);
     context.drawImage(view, 0, 0, view.width * scale, view.height * scale);

@@ -62,13 +62,13 @@ class Draft {
 
   set(path, value) {
     const [key, ...rest] = path.split(".");
-    const there = key in this.table ? this.table[key] : this.made.get(key).parameter.value;
+    const there = this.table && key in this.table ? this.table[key] : this.made?.get(key)?.parameter.value;
     return this.say({ ...this.table, [key]: rest.length ? withValue(there, rest, value) : value });
   }
 
   /** Leave out what is said at a path, or in the component that it leads into. */
   drop(path) {
-    const table = without(this.table, path.split("."));
+    const table = without(this.table ?? {}, path.split("."));
     return this.say(table);
   }
 
@@ -78,7 +78,7 @@ class Draft {
     const said = await this.on.choices(table);
     if (said.ok && this.table === table) {
       const { fields } = said.choices.find((one) => one.name === table.use);
-      for (const field of fields) this.made.get(field.path).update(field);
+      for (const field of fields) this.made?.get(field.path)?.update(field);
     }
     return said;
   }

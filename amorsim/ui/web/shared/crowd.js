@@ -1,6 +1,7 @@
 // All robots but the selected one, where they truly are. Small ones are stamped from pictures drawn once for each of some headings: a thousand
 // outlines a frame would take longer than a frame has.
 
+import { context2d } from "./dom.js";
 import { trace } from "./footprint.js";
 import { alikeBy, fillOf } from "./marks.js";
 
@@ -63,7 +64,7 @@ function stamps({ footprint, reach, colour }, scale, ratio, theme) {
   const canvas = document.createElement("canvas");
   canvas.width = side * HEADINGS;
   canvas.height = side;
-  const context = canvas.getContext("2d");
+  const context = context2d(canvas);
   for (let n = 0; n < HEADINGS; n++) {
     if (reach * scale < 3 * ratio) {
       context.fillStyle = colour ?? theme.true;

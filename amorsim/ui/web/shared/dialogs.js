@@ -1,13 +1,13 @@
 // Dialogs: the browser's own `<dialog>`, which keeps the keyboard inside and gives it back.
 
-import { h } from "./dom.js";
+import { h, there } from "./dom.js";
 import { startTour } from "./tour.js";
 
 /** A dialog with buttons; it is open, and gone once it is closed. */
 export function open(title, body, buttons) {
   const dialog = h("dialog", { "aria-label": title }, h("h2", {}, title), body, h("div", { class: "buttons" }, buttons));
   dialog.addEventListener("close", () => dialog.remove());
-  document.querySelector(".amorsim").append(dialog);
+  there(document.querySelector(".amorsim")).append(dialog);
   dialog.showModal();
   return dialog;
 }

@@ -13,6 +13,20 @@ export function h(tag, attributes = {}, ...children) {
   return element;
 }
 
+/** A value that is there, where its type cannot tell.
+ * @template T
+ * @param {T | null | undefined} value
+ * @returns {T} */
+export function there(value) {
+  if (value === null || value === undefined) throw new Error("a value is missing that should be there");
+  return value;
+}
+
+/** What draws on a canvas.
+ * @param {HTMLCanvasElement} canvas
+ * @param {CanvasRenderingContext2DSettings} [settings] */
+export const context2d = (canvas, settings) => there(canvas.getContext("2d", settings));
+
 /** A spot of a robot's colour. */
 export function colourChip(colour) {
   const chip = h("span", { class: "chip", "aria-hidden": "true" });

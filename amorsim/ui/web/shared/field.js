@@ -99,7 +99,7 @@ export class Field {
     if (!this.isBusy) this.put(parameter);
   }
 
-  /** Whether the user is changing it. */
+  /** Whether the user is changing it. @returns {boolean} */
   get isBusy() {
     return false;
   }
@@ -112,6 +112,7 @@ export class Field {
     return parts.filter(Boolean).join("; ").replace(/\.;/g, ";");
   }
 
+  /** What else is to be said of a parameter. @returns {string[]} */
   more(_parameter) {
     return [];
   }
@@ -133,7 +134,7 @@ export class Field {
     this.fail(said.ok ? "" : said.error);
   }
 
-  /** The controls that are marked when the value is wrong. */
+  /** The controls that are marked when the value is wrong. @returns {HTMLElement[]} */
   get controls() {
     return [];
   }

@@ -15,7 +15,7 @@ export class ListField extends Field {
     this.unit = unit;
     this.factor = factor;
     this.items = h("div", { class: "items" });
-    this.grow = h("button", { class: "tool", onclick: () => this.give(this.more()) }, "add");
+    this.grow = h("button", { class: "tool", onclick: () => this.give(this.longer()) }, "add");
     this.summary = h("summary", {}, this.legend(parameter));
     this.element.append(
       h("details", { role: "group", "aria-labelledby": `${this.id}-legend` }, this.summary, this.items, h("div", { class: "line" }, this.grow, this.back)),
@@ -47,7 +47,7 @@ export class ListField extends Field {
   }
 
   /** The list with an item more, or all items of one that has a length. */
-  more() {
+  longer() {
     const { length } = this.parameter.widget;
     return length ? Array.from({ length }, () => this.another()) : [...this.values, this.another()];
   }

@@ -1,5 +1,6 @@
 // What is drawn in the world: each function draws one kind of thing, in metres, on a context that the camera has set.
 
+import { context2d } from "./dom.js";
 import { trace } from "./footprint.js";
 import { DASHES } from "./theme.js";
 
@@ -44,12 +45,11 @@ export function drawMap(context, camera, map, path, levels, colour) {
 /** A picture of occupied cells in a colour, and smaller ones of it: each half as wide, with walls as strong as before. */
 export function tinted(picture, colour) {
   const levels = [coloured(picture, colour)];
-  while (levels.at(-1).width > 200) {
-    const last = levels.at(-1);
+  for (let last = levels[0]; last.width > 200; last = levels[levels.length - 1]) {
     const canvas = document.createElement("canvas");
     canvas.width = Math.ceil(last.width / 2);
     canvas.height = Math.ceil(last.height / 2);
-    const context = canvas.getContext("2d");
+    const context = context2d(canvas);
     // Half of a thin wall is clear after halving; drawn again and again it is nearly full.
     for (let n = 0; n < 3; n++) context.drawImage(last, 0, 0, last.width / 2, last.height / 2);
     levels.push(canvas);
@@ -62,7 +62,7 @@ export function coloured(picture, colour) {
   const canvas = document.createElement("canvas");
   canvas.width = picture.naturalWidth;
   canvas.height = picture.naturalHeight;
-  const context = canvas.getContext("2d");
+  const context = context2d(canvas);
   context.drawImage(picture, 0, 0);
   context.globalCompositeOperation = "source-in";
   context.fillStyle = colour;

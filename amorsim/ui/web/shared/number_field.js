@@ -62,6 +62,7 @@ export class NumberField extends Field {
       },
       "≈",
     );
+    /** @type {{element: HTMLElement, button: HTMLElement, fields: any}} */
     const part = { element, button, fields: null };
     return part;
   }
@@ -80,11 +81,11 @@ export class NumberField extends Field {
     }
     this.number.disabled = this.slider.disabled = Boolean(parameter.fixed);
     super.update(parameter);
-    if (this.drawing && !this.drawing.element.hidden) this.drawing.fields.update(parameter);
+    if (this.drawing && !this.drawing.element.hidden) this.drawing.fields?.update(parameter);
   }
 
   get isBusy() {
-    return this.isTyped || this.slides;
+    return Boolean(this.isTyped || this.slides);
   }
 
   get controls() {
@@ -125,7 +126,8 @@ export class NumberField extends Field {
 
   /** What the slider stands for: a round number, within its ends. */
   get slid() {
-    const value = Math.round(Number(this.slider.value) / this.step) * this.step;
+    const step = this.step ?? 1;
+    const value = Math.round(Number(this.slider.value) / step) * step;
     return this.isWhole ? Number(this.slider.value) : Math.min(Math.max(value, Number(this.slider.min)), Number(this.slider.max));
   }
 

@@ -70,6 +70,18 @@ export const at = (poses, i, metres = 3) =>
 
 /** Finds what there truly is in a scene. */
 export class WorldPicker {
+  /** @type {any} */
+  scene = null;
+  /** @type {Standing} */
+  world;
+  /** @type {{frame: any, index: SpatialIndex} | null} */
+  bodies = null;
+  farthest = 0; // the reach of any robot [m]
+
+  constructor() {
+    this.world = new Standing("true", [0, 0, 1, 1]);
+  }
+
   /** @param {any} scene
    * @param {number[]} extent of what is to be seen [m] */
   setScene(scene, extent) {
@@ -82,13 +94,16 @@ export class WorldPicker {
     this.farthest = Math.max(0, ...scene.robots.map((robot) => robot.reach));
   }
 
-  /** Robots and obstacles by where they truly are in a frame. */
+  /** Robots and obstacles by where they truly are in a frame.
+   * @returns {{frame: any, index: SpatialIndex}} */
   bodiesOf(frame) {
-    if (this.bodies?.frame === frame) return this.bodies;
+    const had = this.bodies;
+    if (had && had.frame === frame) return had;
     const index = new SpatialIndex(Math.max(2 * this.farthest, 0.1));
     this.scene.robots.forEach((robot, i) => index.addDisc(i, frame.truePoses[3 * i], frame.truePoses[3 * i + 1], robot.reach));
-    this.bodies = { frame, index };
-    return this.bodies;
+    const bodies = { frame, index };
+    this.bodies = bodies;
+    return bodies;
   }
 
   nearestRobot(frame, view, x, y, near, part) {

@@ -1,5 +1,6 @@
 // What maps are drawn with: their lines as paths, their pictures in the colours of the theme.
 
+import { there } from "./dom.js";
 import { tinted, wallPath } from "./marks.js";
 
 /** @typedef {import("../simulator/wire.js").MapShape} MapShape */
@@ -54,7 +55,7 @@ export class Pictures {
       this.images.set(map, { image, shades: new Map() });
       this.pictureOf?.(map.image.name).then((url) => url && (image.src = url));
     }
-    const { image, shades } = this.images.get(map);
+    const { image, shades } = there(this.images.get(map));
     if (!image.complete || !image.naturalWidth) return this.former.get(placeOf(map))?.get(colour) ?? null;
     if (!shades.has(colour)) shades.set(colour, tinted(image, colour));
     return shades.get(colour);

@@ -48,7 +48,7 @@ export class Plot {
   zoomTo(zoom) {
     this.zoom = zoom;
     this.whole.hidden = !zoom;
-    if (this.curves) this.draw(this.curves, this.look);
+    if (this.curves && this.look) this.draw(this.curves, this.look);
   }
 
   destroy() {
@@ -75,7 +75,8 @@ export class Plot {
     const newest = curves.times[curves.times.length - 1] ?? 0;
     const [from, to] = spanOf(curves, look, this.zoom);
     this.range = rangeOf(curves, from, to, look.least ?? 1e-6);
-    this.marked = (look.now ?? Infinity) < newest - 1e-9 ? look.now : NaN;
+    const now = look.now ?? Infinity;
+    this.marked = now < newest - 1e-9 ? now : NaN;
     const columns = [...(curves.band ?? []), ...curves.values].map(withGaps);
     const tables = [[curves.times, ...columns], ...(curves.others ?? []).map((other) => [other.times, ...other.values.map(withGaps)])];
     this.chart.batch(() => {
@@ -185,19 +186,20 @@ export class Plot {
   tell() {
     const place = this.chart?.cursor.idx;
     const time = this.chart?.cursor.left >= 0 && Number.isInteger(place) ? this.chart.data[0][place] : undefined;
-    if (time === undefined) {
+    const { curves: drawn, look } = this;
+    if (time === undefined || !drawn || !look) {
       say(this.values, "");
       return;
     }
-    const decimals = Math.max(0, Math.round(-Math.log10(this.look.least ?? 1e-3)));
-    const { curves, others = [] } = this.curves;
-    const told = [{ name: "", ...this.curves }, ...others].flatMap(({ name, times, values }) => {
+    const decimals = Math.max(0, Math.round(-Math.log10(look.least ?? 1e-3)));
+    const { curves, others = [] } = drawn;
+    const told = [{ name: "", ...drawn }, ...others].flatMap(({ name, times, values }) => {
       const n = nearest(times, time);
       if (n < 0 || Math.abs(times[n] - time) > FAR) return [];
       const words = curves.map((kind, c) => `${kind} ${fixed(values[c][n], decimals)}`).join(" · ");
       return [name ? `${name}: ${words}` : words];
     });
-    say(this.values, `${fixed(time, 2)} s: ${told.join(" · ")} ${this.look.unit}`);
+    say(this.values, `${fixed(time, 2)} s: ${told.join(" · ")} ${look.unit}`);
   }
 }
 

@@ -1,6 +1,6 @@
 // A plot as an SVG drawing: axes, curves, and what the robot believes, in the colours of the page.
 
-import { fixed } from "./dom.js";
+import { fixed, there } from "./dom.js";
 import { decimalsOf, linesBetween, spanOf, timeOf } from "./plot.js";
 import { DASHES } from "./theme.js";
 
@@ -11,7 +11,8 @@ const [WIDTH, HEIGHT] = [720, 300];
  * @param {import("./plot.js").Plot} plot
  * @param {string} title
  */
-export function drawing({ curves, look, range, zoom }, title) {
+export function drawing({ curves: drawn, look: shown, range, zoom }, title) {
+  const [curves, look] = [there(drawn), there(shown)];
   const { theme, unit } = look;
   const [from, to] = spanOf(curves, look, zoom);
   const x = (time) => EDGES.left + ((time - from) / (to - from || 1)) * (WIDTH - EDGES.left - EDGES.right);

@@ -18,6 +18,10 @@ import { reach, waist } from "./footprint.js";
  * }} Scene
  */
 
+/** The map of a scene.
+ * @param {import("../simulator/wire.js").Scene | undefined} scene */
+export const mapOf = (scene) => (scene && scene.map !== null ? scene.maps[scene.map] : undefined);
+
 /**
  * A scene with what drawing needs put in place: each robot with its kind's shape, its reach and what it knows.
  * @param {import("../simulator/wire.js").Scene} raw
@@ -32,7 +36,7 @@ export function readScene(raw) {
   }));
   return {
     ...raw,
-    map: raw.maps[raw.map],
+    map: mapOf(raw),
     robots: raw.robots.map((robot) => ({
       ...kinds[robot.kind],
       name: robot.name,

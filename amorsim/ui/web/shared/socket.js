@@ -71,11 +71,11 @@ export class Connection {
   /** End it for good. */
   close() {
     this.isEnded = true;
-    this.socket.close();
+    this.socket?.close();
   }
 
   get isOpen() {
-    return this.socket.readyState === WebSocket.OPEN;
+    return this.socket?.readyState === WebSocket.OPEN;
   }
 
   /** Say a command; a promise of its answer, which always comes, `ok` false with an `error` where it failed. */
@@ -84,12 +84,12 @@ export class Connection {
     const id = this.next++;
     return new Promise((answer) => {
       this.waiting.set(id, answer);
-      this.socket.send(JSON.stringify({ id, ...command }));
+      this.socket?.send(JSON.stringify({ id, ...command }));
     });
   }
 
   /** The frame of this number is drawn: the next may come. */
   drawn(number) {
-    if (this.isOpen) this.socket.send(JSON.stringify({ drawn: number }));
+    if (this.isOpen) this.socket?.send(JSON.stringify({ drawn: number }));
   }
 }

@@ -63,7 +63,7 @@ class OutlinesLayer extends SceneLayer {
   /** @param {import("./layer.js").Brush} brush */
   draw({ context, camera, theme }) {
     context.beginPath();
-    for (const { footprint, pose } of this.stage.still.outlines) trace(context, footprint, pose[0], pose[1], pose[2]);
+    for (const { footprint, pose } of this.stage.still?.outlines ?? []) trace(context, footprint, pose[0], pose[1], pose[2]);
     context.strokeStyle = theme.danger;
     context.lineWidth = 1.5 / camera.scale;
     context.setLineDash([5 / camera.scale, 4 / camera.scale]);

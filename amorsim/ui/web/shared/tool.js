@@ -82,7 +82,7 @@ export class Hand extends Tool {
     if (this.corner) {
       this.moved += Math.abs(left - this.from.left) + Math.abs(top - this.from.top);
       this.from = { left, top };
-      this.on.boxing(boxOf(this.corner, place));
+      this.on.boxing?.(boxOf(this.corner, place));
       return;
     }
     const [right, down] = [left - this.from.left, top - this.from.top];
@@ -99,13 +99,13 @@ export class Hand extends Tool {
     const isClick = this.from !== null && this.moved <= STILL && event.button === 0;
     const { corner } = this;
     this.cancel();
-    if (corner && !isClick) this.on.boxed(boxOf(corner, place));
+    if (corner && !isClick) this.on.boxed?.(boxOf(corner, place));
     if (isClick) this.on.clicked?.(place);
   }
 
   cancel() {
     this.from = null;
-    if (this.corner) this.on.boxing(null);
+    if (this.corner) this.on.boxing?.(null);
     this.corner = null;
   }
 

@@ -33,7 +33,7 @@ export class Arrangement {
     );
     this.element = h("div", { class: "panels" }, this.top, this.edge("row", "bottom"), this.bottom, this.edge("column", "side"), slots.side);
     this.key = "";
-    this.clear();
+    this.kept = this.atFirst();
   }
 
   /** @param {string} name
@@ -193,9 +193,9 @@ export class Arrangement {
 
   // ------------------------------------------------------------------------------------------------------------ keeping
 
-  clear() {
-    /** @type {Kept} */
-    this.kept = { shares: {}, sizes: {}, places: Object.fromEntries(Object.keys(this.slots).map((name) => [name, name])) };
+  /** @returns {Kept} */
+  atFirst() {
+    return { shares: {}, sizes: {}, places: Object.fromEntries(Object.keys(this.slots).map((name) => [name, name])) };
   }
 
   /** Whether it is as at first. */
@@ -208,7 +208,7 @@ export class Arrangement {
    * @param {string} scenario */
   load(scenario) {
     this.key = KEY + scenario;
-    this.clear();
+    this.kept = this.atFirst();
     try {
       const found = JSON.parse(kept(this.key) ?? "{}");
       for (const part of ["shares", "sizes"]) {
@@ -226,7 +226,7 @@ export class Arrangement {
 
   reset() {
     this.showAll();
-    this.clear();
+    this.kept = this.atFirst();
     for (const [slot, inside] of Object.entries(this.first)) this.slots[slot].replaceChildren(...inside);
     this.keep();
     this.apply();

@@ -72,10 +72,11 @@ export class Asked {
     this.isAsking = true;
     const said = await this.ask(selected);
     this.isAsking = false;
-    if (!said.ok || selected !== this.robot) return;
+    const { found } = said;
+    if (!said.ok || found === undefined || selected !== this.robot) return;
     this.key = key;
-    this.set(said.found);
-    this.isDone = this.isNever(this.found);
+    this.set(found);
+    this.isDone = this.isNever(found);
   }
 
   /** @param {Found} found */

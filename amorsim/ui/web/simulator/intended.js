@@ -55,6 +55,7 @@ export class IntendedLayer extends SceneLayer {
   /** @param {Brush} brush */
   draw({ context, camera, theme }) {
     const { found, shows } = this.stage.intended;
+    if (!found) return;
     const { pose, searched, path, arcs, blocked, bearing, ways, velocities } = found;
     const reach = this.robot.reach;
     context.save();

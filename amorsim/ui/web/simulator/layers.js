@@ -1,5 +1,6 @@
 // The Simulator's own layers: what the selected robot knows, its readings and path, and where an event happened.
 
+import { there } from "../shared/dom.js";
 import { drawCloud, drawHypotheses } from "../shared/cloud.js";
 import { trace } from "../shared/footprint.js";
 import { drawBelievedParts, drawEllipse, drawMap, drawMarks, drawRobot, drawTrail } from "../shared/marks.js";
@@ -155,7 +156,7 @@ export class BoxLayer extends SceneLayer {
 
   /** @param {Brush} brush */
   draw({ context, camera, theme }) {
-    const [x0, y0, x1, y1] = this.stage.box;
+    const [x0, y0, x1, y1] = there(this.stage.box);
     context.fillStyle = theme["estimated-fill"];
     context.strokeStyle = theme.estimated;
     context.lineWidth = 1.5 / camera.scale;

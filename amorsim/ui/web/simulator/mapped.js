@@ -67,8 +67,9 @@ export class Mapped extends Asked {
     return this.found.flatMap(({ estimator, map }) => {
       const had = map && this.images.get(estimator);
       if (!had) return [];
-      if (!had.shades.has(colour)) had.shades.set(colour, coloured(had.image, colour));
-      return [{ extent: had.extent, picture: had.shades.get(colour) }];
+      const picture = had.shades.get(colour) ?? coloured(had.image, colour);
+      had.shades.set(colour, picture);
+      return [{ extent: had.extent, picture }];
     });
   }
 }

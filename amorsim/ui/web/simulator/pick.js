@@ -10,22 +10,24 @@ import { isDrawn, nearestPart, tellPart } from "./readings.js";
 const CORE = 0.8; // of a robot: nearer its rim there may be a bumper, or what begins there
 
 export class Picker extends WorldPicker {
+  /** What robots know, by the robot. @type {Map<object, Standing>} */
+  known = new Map();
+
   /** @param {any} scene */
   setScene(scene, extent = scene.map.extent) {
     super.setScene(scene, extent);
-    /** @type {Map<object, Standing>} */
-    this.known = new Map();
+    this.known.clear();
   }
 
   /** What a robot knows, indexed when it is first pointed at. */
   knownBy(robot) {
-    if (!this.known.has(robot)) {
-      const standing = new Standing("estimated", (robot.knowledge ?? this.scene.map).extent);
-      standing.addWalls(robot.knowledge?.segments, "wall of its map");
-      standing.addPoints(robot.landmarks, "landmark that it knows");
-      this.known.set(robot, standing);
-    }
-    return this.known.get(robot);
+    const had = this.known.get(robot);
+    if (had) return had;
+    const standing = new Standing("estimated", (robot.knowledge ?? this.scene.map).extent);
+    standing.addWalls(robot.knowledge?.segments, "wall of its map");
+    standing.addPoints(robot.landmarks, "landmark that it knows");
+    this.known.set(robot, standing);
+    return standing;
   }
 
   /**

@@ -1,5 +1,6 @@
 // A plot as a file: a picture of its pixels (PNG), a drawing of its curves (SVG), or its numbers (CSV).
 
+import { context2d, there } from "../shared/dom.js";
 import { download } from "../shared/capture.js";
 import { drawing } from "../shared/plot_drawing.js";
 import { KINDS } from "./quantities.js";
@@ -25,11 +26,11 @@ function picture({ chart, look }) {
   const { canvas } = chart.ctx;
   const whole = document.createElement("canvas");
   [whole.width, whole.height] = [canvas.width, canvas.height];
-  const context = whole.getContext("2d", { alpha: false });
-  context.fillStyle = look.theme.paper;
+  const context = context2d(whole, { alpha: false });
+  context.fillStyle = there(look).theme.paper;
   context.fillRect(0, 0, whole.width, whole.height);
   context.drawImage(canvas, 0, 0);
-  return new Promise((done) => whole.toBlob(done, "image/png"));
+  return new Promise((done) => whole.toBlob((blob) => done(there(blob)), "image/png"));
 }
 
 /**
@@ -40,7 +41,7 @@ function picture({ chart, look }) {
  */
 export function table(record, futures, key) {
   const names = [...KINDS, "sigma"];
-  const { unit } = record.quantity(key);
+  const { unit } = there(record.quantity(key));
   const lines = [["future", "time [s]", ...names.map((name) => `${name} [${unit}]`)].join(",")];
   for (const one of [{ name: "", record }, ...futures]) {
     const series = one.record.series.get(key);

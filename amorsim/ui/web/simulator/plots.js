@@ -1,5 +1,6 @@
 // The plots over time: each of one quantity of the selected robot, all of the same time, beside those of other futures.
 
+import { Record } from "./record.js";
 import { open } from "../shared/dialogs.js";
 import { h } from "../shared/dom.js";
 import { Plot } from "../shared/plot.js";
@@ -80,7 +81,7 @@ class QuantityPlot {
     // "apart" has a bound that the robot believes in: the difference is drawn against it.
     const difference = quantity.key === "apart" ? ["estimated", "difference"] : ["difference"];
     const kinds = this.mode === "difference" ? difference : KINDS.slice(0, 3);
-    const { times } = record.series.get(this.key);
+    const { times } = record.seriesOf(this.key);
     const [sigma] = record.columns(this.key, ["sigma"]);
     const middle = this.mode === "difference" ? null : record.columns(this.key, ["estimated"])[0];
     this.plot.draw(
@@ -93,7 +94,7 @@ class QuantityPlot {
           .filter((future) => future.record.series.get(this.key)?.times.length)
           .map((future) => ({
             name: future.name,
-            times: future.record.series.get(this.key).times,
+            times: future.record.seriesOf(this.key).times,
             values: future.record.columns(this.key, kinds),
           })),
       },
@@ -123,8 +124,7 @@ export class Plots {
     this.title = title;
     this.on = on;
     this.fileName = on.fileName;
-    /** @type {import("./record.js").Record} */
-    this.record = null;
+    this.record = new Record(null);
     /** @type {import("./futures.js").Future[]} */
     this.futures = []; // drawn beside what is played
     /** @type {[number, number] | null} */

@@ -1,5 +1,6 @@
 // What is kept of a robot over time: every quantity, as true, measured and estimated, for the plots.
 
+import { there } from "../shared/dom.js";
 import { Series } from "../shared/series.js";
 import { momentsOf } from "./past.js";
 import { KINDS, quantitiesOf } from "./quantities.js";
@@ -12,6 +13,12 @@ export class Record {
     this.robot = robot;
     this.quantities = robot ? quantitiesOf(robot) : [];
     this.series = new Map(this.quantities.map((one) => [one.key, new Series([...KINDS, SIGMA])]));
+  }
+
+  /** The series of one of its quantities.
+   * @param {string} key */
+  seriesOf(key) {
+    return there(this.series.get(key));
   }
 
   /** @param {string} key */
@@ -30,7 +37,7 @@ export class Record {
     const moments = momentsOf(history, this.robot, dt);
     const last = moments.at(-1)?.time ?? -1;
     for (const quantity of this.quantities) {
-      const series = this.series.get(quantity.key);
+      const series = this.seriesOf(quantity.key);
       const later = series.times.flatMap((time, n) => (time > last + 1e-9 ? [[time, series.values.map((column) => column[n])]] : []));
       series.clear();
       for (const moment of moments) series.add(moment.time, sample(quantity, moment, 0));
@@ -40,7 +47,7 @@ export class Record {
 
   /** Keep a frame's values; those of the past are kept already. */
   add(frame) {
-    for (const quantity of this.quantities) this.series.get(quantity.key).add(frame.time, sample(quantity, frame, frame.selected));
+    for (const quantity of this.quantities) this.seriesOf(quantity.key).add(frame.time, sample(quantity, frame, frame.selected));
   }
 
   /**
@@ -49,7 +56,7 @@ export class Record {
    * @param {string[]} kinds
    */
   columns(key, kinds) {
-    const series = this.series.get(key);
+    const series = this.seriesOf(key);
     return kinds.map((kind) => series.values[kind === SIGMA ? KINDS.length : KINDS.indexOf(kind)]);
   }
 }

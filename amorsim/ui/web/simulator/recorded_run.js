@@ -44,6 +44,9 @@ export class RecordedRun {
     this.speed = 1;
     this.number = 0;
     this.isRunning = false;
+    this.time = 0; // [s] of the run, as it plays
+    /** When it began to play, and the time then. @type {{now: number, time: number} | null} */
+    this.since = null;
     this.isOpen = true;
     this.doing = {
       scene: () => ({ scene: head.scene }),
@@ -200,7 +203,7 @@ export class RecordedRun {
       epoch,
       time: tick * this.dt,
       speed: this.speed,
-      achieved: this.isRunning && passed > 0 ? (tick * this.dt - this.since.time) / passed : 0,
+      achieved: this.since && this.isRunning && passed > 0 ? (tick * this.dt - this.since.time) / passed : 0,
       tick,
       newest,
       states: (this.isRunning ? FLAG.running : 0) | (this.isAtEnd ? FLAG.ended : 0),

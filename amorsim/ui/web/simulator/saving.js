@@ -79,7 +79,7 @@ export class Saving {
     const { button, name, ending } =
       kind === "film"
         ? { button: parts.film, name: "GIF", ending: "gif" }
-        : { button: parts.video, name: "video", ending: VIDEO.startsWith("video/mp4") ? "mp4" : "webm" };
+        : { button: parts.video, name: "video", ending: VIDEO?.startsWith("video/mp4") ? "mp4" : "webm" };
     const taken = this.film;
     button.setAttribute("aria-pressed", String(!taken));
     say(button, taken ? name : `stop ${name}`);
@@ -99,7 +99,7 @@ export class Saving {
     try {
       download(await taken.finish(), `${this.fileName}.${ending}`);
     } catch (problem) {
-      this.simulator.hint(String(problem.message ?? problem));
+      this.simulator.hint(problem instanceof Error ? problem.message : String(problem));
     }
   }
 }

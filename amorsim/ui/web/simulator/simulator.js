@@ -95,6 +95,7 @@ export class Simulator {
     this.stage.selection.listen((selection) => (this.parts.card.hidden = !selection.only));
     this.warnings = new Warnings(this.parts.banner, ask);
     this.saving = new Saving(this);
+    /** [ms] @type {{draws: number[], intervals: number[]}} */
     this.timings = { draws: [], intervals: [] };
     listenToClicks(this);
     listenToKeys(this);

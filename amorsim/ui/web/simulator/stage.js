@@ -229,6 +229,6 @@ export class Stage {
     if (!this.options.overlay) this.control.draw();
     const isNew = this.hasFrame;
     this.hasFrame = false;
-    this.on.drawn(this.frame, isNew, now, began);
+    this.on.drawn(this.frame, Boolean(isNew), now, began);
   }
 }

@@ -3,6 +3,9 @@
 const MOST = 6000;
 
 export class Trail {
+  from = -Infinity; // ticks that are drawn
+  to = Infinity;
+
   constructor() {
     this.clear();
   }
@@ -13,8 +16,7 @@ export class Trail {
     this.last = -Infinity;
     /** @type {number[] | null} */
     this.end = null;
-    this.from = -Infinity; // ticks that are drawn
-    this.to = Infinity;
+    [this.from, this.to] = [-Infinity, Infinity];
   }
 
   /** Add a point of a tick; what does not move is not added, and going back in time cuts the trail there. */
