@@ -137,7 +137,7 @@ CODE_MODULES = {
 }
 """The file of each module that is not a package's ``dist/index.js``."""
 CODE_EXPORTS = """
-export { acceptCompletion, autocompletion, completionKeymap } from "@codemirror/autocomplete";
+export { acceptCompletion, autocompletion } from "@codemirror/autocomplete";
 export { defaultKeymap, history, historyKeymap, indentWithTab } from "@codemirror/commands";
 export { python } from "@codemirror/lang-python";
 export { bracketMatching, HighlightStyle, indentUnit, StreamLanguage, syntaxHighlighting } from "@codemirror/language";
@@ -208,7 +208,8 @@ def bundle_code() -> None:
         (folder / "codemirror.js").write_text(
             f"// CodeMirror 6, bundled by tools/vendor_scripts.py\n{made.read_text()}"
         )
-        (folder / "LICENSE").write_bytes((work / "@codemirror/state/package/LICENSE").read_bytes())
+        licences = dict.fromkeys((work / name / "package/LICENSE").read_text().strip() for name, _, _ in CODE_PACKAGES)
+        (folder / "LICENSE").write_text("\n\n---\n\n".join(licences) + "\n")
     print(folder)
 
 

@@ -248,14 +248,11 @@ def _stamp(content: Any, received: int) -> int:
 # ------------------------------------------------------------------------------------------------------------- formats
 
 
-def _check_recording(path: Path) -> None:
-    """Raise `AnalysisError` where there is nothing that could be a recording."""
+def _check_recording(path: Path, folders: str = "that of a rosbag, with metadata.yaml") -> None:
+    """Raise `AnalysisError` where there is nothing that could be a recording; `folders` are right, for a message."""
     if is_folder(path):
         if not is_file(path / "metadata.yaml"):
-            raise AnalysisError(
-                f"{path}: a folder without a recording; expected that of a run, with {ABOUT}, or of a rosbag, with "
-                "metadata.yaml"
-            )
+            raise AnalysisError(f"{path}: a folder without a recording; expected {folders}")
     elif not is_file(path):
         raise AnalysisError(f"{path}: there is no such file or folder")
     elif path.stat().st_size == 0:
@@ -263,7 +260,7 @@ def _check_recording(path: Path) -> None:
 
 
 def _opened(path: Path) -> Callable[[Path, Wanted], Iterator[_Received]]:
-    _check_recording(path)
+    _check_recording(path, f"that of a run, with {ABOUT}, or of a rosbag, with metadata.yaml")
     if path.suffix != ".mcap":
         if is_file(path) and path.suffix not in (".bag", ".db3"):
             raise AnalysisError(

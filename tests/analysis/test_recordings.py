@@ -167,12 +167,16 @@ def test_mistakes_are_explained(run: Path, bag: Path, mcap: Path, tmp_path: Path
         (tmp_path / "none.mcap", "there is no such file or folder"),
         (tmp_path / "none", "there is no such file or folder"),
         (tmp_path / "empty.mcap", "the file is empty"),
-        (tmp_path / "folder", r"a folder without a recording; expected .* with run\.json, or .* with metadata\.yaml"),
     ):
         with pytest.raises(am.AnalysisError, match=problem):
             list(read_log(path, robot))
         with pytest.raises(am.AnalysisError, match=problem):
             (read_mcap if path.suffix else read_bag)(path)
+    # Each names the folders that it reads.
+    with pytest.raises(am.AnalysisError, match=r"without a recording; expected .* run\.json, or .* metadata\.yaml"):
+        list(read_log(tmp_path / "folder", robot))
+    with pytest.raises(am.AnalysisError, match=r"without a recording; expected that of a rosbag, with metadata\.yaml"):
+        read_bag(tmp_path / "folder")
     text = tmp_path / "README.md"
     text.write_text("a text")
     with pytest.raises(am.AnalysisError, match=r"README.md: is not a recording that can be read: expected .* \.mcap"):

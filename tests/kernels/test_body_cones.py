@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from amorsim.core.shapes import Shape
 from amorsim.kernels.raycast.body_cones import nearest_bodies
-from amorsim.simulation.world.sensor_view import cone_bearings
+from amorsim.simulation.world.directions import cone_bearings
 from tests.examples import settings
 from tests.kernels.test_body_rays import SHAPES, Scene, random_scene
 

@@ -16,7 +16,7 @@ from amorsim.kernels.grid.segment_boxes import index_segments
 from amorsim.kernels.kinematics import poses as pose_kernels
 from amorsim.kernels.raycast import rays
 from amorsim.kernels.raycast.cones import cast_cones
-from amorsim.simulation.world.sensor_view import cone_bearings
+from amorsim.simulation.world.directions import cone_bearings
 from tests.examples import settings
 from tests.kernels.test_outlines import random_cells
 from tests.kernels.test_scans import random_poses, random_walls

@@ -11,9 +11,9 @@ import numpy.typing as npt
 
 from amorsim.contracts import Sightings
 from amorsim.core.workers import in_turn
-from amorsim.kernels.kinematics import poses
 from amorsim.kernels.raycast import body_normals, bresenham, rays, scans
 from amorsim.kernels.raycast import visibility as sight
+from amorsim.simulation.world.directions import directions_of
 from amorsim.simulation.world.world import World
 
 __all__ = ["bind_look", "bind_walls", "find_landmarks", "look_about", "normals_at"]
@@ -100,8 +100,7 @@ def look_about(
     Things are the bodies of a replica, in order, then the landmarks. Only landmarks with a colour are seen, or none
     at all.
     """
-    cos_b, sin_b = np.empty(bearings.shape), np.empty(bearings.shape)
-    poses.directions(np.ascontiguousarray(bearings), cos_b, sin_b)
+    cos_b, sin_b = directions_of(bearings)
     ranges = np.empty((len(origins), bearings.shape[1]))
     things = np.empty(ranges.shape, dtype=np.int64)
     bind_look(world, own, origins, cos_b, sin_b, range_max, ranges, things)()

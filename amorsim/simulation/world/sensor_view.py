@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
@@ -18,19 +17,17 @@ from amorsim.kernels.kinematics import poses
 from amorsim.kernels.number_checks import all_indices
 from amorsim.kernels.raycast import cones
 from amorsim.simulation.world.bumper_contacts import find_touched
+from amorsim.simulation.world.directions import Table, cone_bearings, cone_directions, directions_of, fan
 from amorsim.simulation.world.in_sight import bind_look, bind_walls, find_landmarks, look_about, normals_at
 from amorsim.simulation.world.neighbourhood import neighbours_of
 from amorsim.simulation.world.world import CONE_WORK, World
 
-__all__ = ["GroupView", "cone_bearings", "directions_of"]
+__all__ = ["GroupView"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
-Table = tuple[Array, Array]  # cosines and sines of beams, (1, k) or one row for each origin
 
 _NO_RAYS: Ints = np.empty(0, dtype=np.int64)  # for calls that do not need which ray is the nearest
-
-CONE_STEP = math.radians(0.05)  # the definition of a sonar's reading: rays at most this far apart
 
 
 class GroupView:
@@ -270,7 +267,7 @@ class GroupView:
 
         def of_width(angle: float, which: Any) -> Callable[[], None]:
             here, found = origins[which], nearest[which]  # copies, if there are cones of other widths
-            beams = here, angle, *_cone_directions(angle), limits[which], found
+            beams = here, angle, *cone_directions(angle), limits[which], found
             calls = [self._bind_cone_walls(replica[which], *beams, _NO_RAYS)]
             if self._world.has_company:
                 calls.append(self._world.bind_hear(own[which], replica[which], *beams))
@@ -315,7 +312,7 @@ class GroupView:
         def of_width(angle: float, which: Any) -> Callable[[], None]:
             here, found = origins[which], nearest[which]  # copies, if there are cones of other widths
             ray = np.empty(len(found), dtype=np.int64)
-            bearings = angle * _fan(rays)
+            bearings = angle * fan(rays)
             given = here, angle, *self._table(bearings), limits[which], found, ray
             cast = self._bind_cone_walls(replica[which], *given)
 
@@ -437,29 +434,3 @@ def _are_indices(values: Any, shape: tuple[int, ...], first: int, end: int) -> b
 
 def _in_words(value: Any) -> str:
     return f"an array of shape {value.shape}" if isinstance(value, np.ndarray) else f"{value!r:.60}"
-
-
-@functools.lru_cache(maxsize=64)
-def cone_bearings(half_angle: float) -> Array:
-    """The rays of a cone `(1, k)`: both edges, and between them at most 0.05 degrees apart."""
-    count = max(2, math.ceil(2.0 * half_angle / CONE_STEP - 1e-9) + 1)
-    return np.linspace(-half_angle, half_angle, count)[None, :]
-
-
-@functools.lru_cache(maxsize=64)
-def _fan(rays: int) -> Array:
-    """As many rays `(1, rays)` from edge to edge of a cone, in fractions of half its angle."""
-    return np.linspace(-1.0, 1.0, rays)[None, :]
-
-
-@functools.lru_cache(maxsize=64)
-def _cone_directions(half_angle: float) -> Table:
-    """Cosines and sines of a cone's rays."""
-    return directions_of(cone_bearings(half_angle))
-
-
-def directions_of(bearings: Array) -> Table:
-    """Cosines and sines of bearings [rad]."""
-    cos_b, sin_b = np.empty(bearings.shape), np.empty(bearings.shape)
-    poses.directions(np.ascontiguousarray(bearings), cos_b, sin_b)
-    return cos_b, sin_b

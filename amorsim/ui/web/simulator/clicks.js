@@ -31,5 +31,5 @@ export function listenToClicks(simulator) {
   parts.picture.addEventListener("click", () => simulator.saving.picture());
   parts.film.addEventListener("click", () => simulator.saving.toggle("film"));
   parts.video.addEventListener("click", () => simulator.saving.toggle("video"));
-    setInterval(() => !document.hidden && simulator.connection.isOpen && simulator.reader.readState(), STATE_EVERY);
+  setInterval(() => !document.hidden && simulator.connection.isOpen && simulator.reader.readState(), STATE_EVERY);
 }
