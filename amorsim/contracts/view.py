@@ -258,12 +258,19 @@ class View(Protocol):
         """
 
     def bind_look(
-        self, origins: Array, bearings: Array, limits: Array, out: Array, thing: npt.NDArray[np.int64]
+        self,
+        origins: Array,
+        bearings: Array,
+        limits: Array,
+        out: Array,
+        thing: npt.NDArray[np.int64],
+        nearest: Array | None = None,
     ) -> Callable[[], None]:
         """A function that writes what `look` returns without landmarks into `out` and `thing` `(M, k)`.
 
         It keeps `origins`, and the `limits` `(M,)` [m] of their beams, too: a limit below 0 leaves an origin out, whose
-        beams then have any range and thing.
+        beams then have any range and thing. If hits nearer than `nearest` `(M, k)` [m] do not matter, give that, too:
+        beams that are sure to hit a wall sooner then have the range 0, and need not be cast.
         """
 
     def normals(

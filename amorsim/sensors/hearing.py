@@ -67,8 +67,8 @@ def bind_hearing(
         bearings = np.repeat(bearings, listens.shape[1], axis=0)
     cast = np.empty((len(receivers), len(_FAN)))
     surfaces = acoustics.Surfaces(bearings, cast, np.empty(cast.shape, dtype=np.int64), view.bodies().owner.copy())
-    limits = np.empty(len(receivers))
-    look = view.bind_look(receivers, bearings, limits, surfaces.ranges, surfaces.thing)
+    nearest, limits = np.empty(cast.shape), np.empty(len(receivers))
+    look = view.bind_look(receivers, bearings, limits, surfaces.ranges, surfaces.thing, nearest)
     rooms: dict[int, acoustics.Facing] = {}
 
     def hear() -> Array:
@@ -76,7 +76,7 @@ def bind_hearing(
         emitters = acoustics.Emitters(*arrays)
         count = emitters.time.shape[1]
         if count not in rooms:
-            rooms[count] = _room(listens.shape, count, limits)
+            rooms[count] = _room(listens.shape, count, nearest, limits)
         facing = rooms[count]
         heard = np.full(listens.shape, np.inf)
         earshot.face(listeners, emitters, _FAN, SOUND, facing)
@@ -140,13 +140,13 @@ def _owners(view: View, met: Ints) -> Ints:
     return np.where(met >= 0, view.bodies().owner[met], -1)
 
 
-def _room(shape: tuple[int, ...], emitters: int, limits: Array) -> acoustics.Facing:
+def _room(shape: tuple[int, ...], emitters: int, nearest: Array, limits: Array) -> acoustics.Facing:
     rows, count = shape[0], shape[0] * shape[1]
     return acoustics.Facing(
         axes=np.empty((count, 3)),
         emitter_axes=np.empty((rows, emitters, 4)),
         hears=np.empty((count, emitters), dtype=np.bool_),
-        nearest=np.empty(count),
+        nearest=nearest,
         limit=limits,
         is_done=np.empty(count, dtype=np.bool_),
     )

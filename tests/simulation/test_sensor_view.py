@@ -182,9 +182,12 @@ def test_a_bound_question_is_answered_from_arrays_as_they_are_now() -> None:
             towards = am.contracts.Directions(*np.full((2, 6, beams), np.inf))  # whatever they are before a call
             shape, limits = (6, beams), np.array([5.0, -1.0, 1.0, 8.0, 2.0, -1.0])
             ranges, thing = np.empty(shape), np.empty(shape, dtype=np.int64)
+            far, far_thing, matters = np.empty(shape), np.empty(shape, dtype=np.int64), np.full(shape, 0.95)
+            matters[:, 0] = np.inf
             cast, walls, bearing, nearest = np.empty(shape), np.empty(shape), np.empty((3, 2)), np.empty((3, 2))
             calls = (
                 view.bind_look(origins, fan, limits, ranges, thing),
+                view.bind_look(origins, fan, limits, far, far_thing, matters),
                 view.bind_cast(origins, towards, 5.0, cast),
                 view.bind_cast(origins, towards, 5.0, walls, bodies=False),
                 view.bind_nearest_wall(origins, 0.3, 5.0, 31, bearing, nearest),
@@ -201,6 +204,11 @@ def test_a_bound_question_is_answered_from_arrays_as_they_are_now() -> None:
                 np.testing.assert_array_equal(ranges[seen], expected[0])
                 np.testing.assert_array_equal(thing[seen], expected[1])
                 assert beams == 2 or set(thing[seen].ravel()) == {-1, 1}
+                counts = (ranges[seen] >= matters[seen]) & (matters[seen] < np.inf)
+                np.testing.assert_array_equal(far[seen][counts], ranges[seen][counts])
+                np.testing.assert_array_equal(far_thing[seen][counts], thing[seen][counts])
+                assert (far[seen][~counts] < matters[seen][~counts]).all()
+                assert beams == 2 or (counts.any() and (far[seen] == 0.0).any())
                 np.testing.assert_array_equal(cast, view.cast(origins, bearings, 5.0))
                 np.testing.assert_array_equal(walls, view.cast(origins, bearings, 5.0, bodies=False))
                 assert beams == 2 or (cast < walls).any()

@@ -80,7 +80,7 @@ class Facing(NamedTuple):
     hears: Bools
     """(M, e): which emitters a listener may hear."""
     nearest: Floats
-    """(M,): the least distance [m] of a surface by which a listener can hear anything."""
+    """(M, f): along each ray of a cone, the least distance [m] of a surface that counts; inf if none does."""
     limit: Floats
     """(M,): the largest such distance; below 0 of a cone without surfaces that count."""
     is_done: Bools
@@ -165,7 +165,7 @@ def sounds_in_order(
         ear, looks = facing.axes[m], facing.limit[m] >= 0.0
         for f in range(rays if looks else 0):
             end_x[f], end_y[f] = math.nan, math.nan
-            if facing.nearest[m] <= surfaces.ranges[m, f] < math.inf:
+            if facing.nearest[m, f] <= surfaces.ranges[m, f] < math.inf:
                 end_x[f], end_y[f] = _end_of(listeners, surfaces, m, f)
         for i in range(emitters.poses.shape[1]):
             if not facing.hears[m, i]:

@@ -62,7 +62,7 @@ def _set_edges(cos: float, sin: float, cos_half: float, sin_half: float, edges: 
 
 @part
 def _set_candidate(x: float, y: float, shortest: float, longest: float, limit: float, axis: Floats, to: Floats) -> None:
-    """Write the input of `_crosses` for an emitter (x, y) from a listener, with a path from `shortest` to `longest`.
+    """Write the input of `_meets_at` for an emitter (x, y) from a listener, with a path from `shortest` to `longest`.
 
     `limit` [m] is how far the listener's rays go, `axis` of `Facing.emitter_axes`.
     """
@@ -82,10 +82,11 @@ def _set_candidate(x: float, y: float, shortest: float, longest: float, limit: f
 
 
 @part
-def _crosses(dx: float, dy: float, limit: float, of: Floats) -> bool:
-    """Whether a listener's ray of direction (dx, dy) has points in an emitter's cone, by a way that could count.
+def _meets_at(dx: float, dy: float, limit: float, of: Floats) -> float:
+    """How far along a listener's ray of direction (dx, dy) its points begin to be in an emitter's cone [m].
 
-    Points that are no farther along the ray than `limit` [m]. Where that is in doubt, it has.
+    Only points that sound could come by, and that are no farther than `limit` [m]; inf if there are none. It is never
+    more than the true distance.
     """
     low, high = 0.0, limit
     for at in range(_EDGES, _EDGES + 6, 3):
@@ -93,13 +94,13 @@ def _crosses(dx: float, dy: float, limit: float, of: Floats) -> bool:
         start = of[at + 2]
         speed = of[at + 1] * dx - of[at] * dy
         if start < 0.0 and speed <= 0.0:
-            return False
+            return math.inf
         if speed > 0.0:
             low = max(low, -start / speed)
         elif speed < 0.0:
             high = min(high, -start / speed)
     if low > high:
-        return False
+        return math.inf
     # The way grows with the point's distance r along the ray: r + sqrt(across^2 - 2 r along + r^2) is the way.
     along = dx * of[_X] + dy * of[_Y]
     across, shortest, longest = of[_ACROSS], of[_SHORTEST], of[_LONGEST]
@@ -109,7 +110,7 @@ def _crosses(dx: float, dy: float, limit: float, of: Floats) -> bool:
     if longest > along:
         most = (longest - across) * (longest + across) / (2.0 * (longest - along))
         high = min(high, most * (1.0 + SLACK) + SLACK)
-    return low <= high
+    return low if low <= high else math.inf
 
 
 @kernel
@@ -149,7 +150,7 @@ def face(listeners: Listeners, emitters: Emitters, fan: Floats, speed: float, fa
             axes[2] = cos_half
             _set_edges(axes[0], axes[1], cos_half, sin_half, edges)
             candidates = 0
-            nearest, limit = math.inf, 0.0
+            limit = 0.0
             for i in range(count):
                 facing.hears[m, i] = False
                 if not emitters.fired[n, i] or i == itself[j]:
@@ -170,18 +171,16 @@ def face(listeners: Listeners, emitters: Emitters, fan: Floats, speed: float, fa
                 # A way by a surface is twice as long as that is far, give or take what is across.
                 across = math.sqrt(x * x + y * y)
                 farthest = 0.5 * (longest + across) * (1.0 + SLACK) + SLACK
-                nearest = min(nearest, 0.5 * (shortest - across) - SLACK * (1.0 + abs(shortest) + across))
                 _set_candidate(x, y, shortest, longest, farthest, facing.emitter_axes[n, i], near[candidates])
                 limit = max(limit, farthest)
                 facing.hears[m, i] = True
                 candidates += 1
-            facing.is_done[m] = candidates == 0
-            facing.nearest[m], facing.limit[m] = nearest, -1.0
+            facing.is_done[m], facing.limit[m] = candidates == 0, -1.0
             for f in range(fan.shape[0] if candidates else 0):
                 dx, dy = direction(axes[0], axes[1], cosines[f], sines[f])
+                first = math.inf
                 for c in range(candidates):
-                    if _crosses(dx, dy, limit, near[c]):
-                        facing.limit[m] = limit
-                        break
-                if facing.limit[m] >= 0.0:
-                    break
+                    first = min(first, _meets_at(dx, dy, limit, near[c]))
+                facing.nearest[m, f] = first
+                if first < math.inf:
+                    facing.limit[m] = limit

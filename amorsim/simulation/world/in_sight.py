@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Sightings
 from amorsim.core.workers import in_turn
-from amorsim.kernels.raycast import body_normals, bresenham, rays, scans
+from amorsim.kernels.raycast import beyond, body_normals, bresenham, rays, scans
 from amorsim.kernels.raycast import visibility as sight
 from amorsim.simulation.world.directions import directions_of
 from amorsim.simulation.world.world import World
@@ -124,14 +124,26 @@ def look_about(
 
 
 def bind_look(
-    world: World, own: Ints, origins: Array, cos_b: Array, sin_b: Array, range_max: Array, ranges: Array, things: Ints
+    world: World,
+    own: Ints,
+    origins: Array,
+    cos_b: Array,
+    sin_b: Array,
+    range_max: Array,
+    ranges: Array,
+    things: Ints,
+    nearest: Array | None = None,
 ) -> Callable[[], None]:
     """A function that writes what beams hit first, as `look_about` does without landmarks.
 
-    All arrays keep their place, and the bearings their values.
+    All arrays keep their place, and the bearings their values. With `nearest` `(Q, k)` [m], beams that are sure to end
+    sooner get the range 0.
     """
     replica = world.replica_index[own]
-    walls = bind_walls(world, replica, origins, cos_b, sin_b, range_max, ranges)
+    if nearest is None:
+        walls = bind_walls(world, replica, origins, cos_b, sin_b, range_max, ranges)
+    else:
+        walls = _bind_beyond(world, replica, origins, cos_b, sin_b, nearest, range_max, ranges)
     things.fill(-1)
     if not world.has_company:
         return walls
@@ -147,6 +159,30 @@ def bind_look(
         np.maximum(things, -1, out=things)
 
     return look
+
+
+def _bind_beyond(
+    world: World,
+    replica: Ints,
+    origins: Array,
+    cos_b: Array,
+    sin_b: Array,
+    nearest: Array,
+    range_max: Array,
+    out: Array,
+) -> Callable[[], None]:
+    """A function like that of `bind_walls`, but it writes 0 for beams sure to end nearer than `nearest` (Q, k) [m]."""
+
+    def prepare(first: int, end: int) -> Callable[[], None]:
+        calls: list[Callable[[], None]] = []
+        for map_, rows in world.terrain.between(replica, first, end):
+            mine = rows if len(cos_b) > 1 else slice(None)
+            walls = *map_.grid, *map_.segment_index, *map_.origin
+            beams = origins[rows], cos_b[mine], sin_b[mine], nearest[rows], range_max[rows], out[rows]
+            calls.append(functools.partial(beyond.cast_beyond, *walls, *beams))
+        return in_turn(calls)
+
+    return world.workers.bind(len(origins), cos_b.shape[1], prepare)
 
 
 def normals_at(world: World, own: Ints, origins: Array, bearings: Array, bodies: Ints) -> Array:

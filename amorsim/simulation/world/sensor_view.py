@@ -171,11 +171,13 @@ class GroupView:
         limits = self._limits("look", range_max, origins, row)
         return look_about(self._world, own, origins, bearings, limits, landmarks)
 
-    def bind_look(self, origins: Array, bearings: Array, limits: Array, out: Array, thing: Ints) -> Callable[[], None]:
+    def bind_look(
+        self, origins: Array, bearings: Array, limits: Array, out: Array, thing: Ints, nearest: Array | None = None
+    ) -> Callable[[], None]:
         """A function that looks into `out` and `thing`; see `amorsim.contracts.View.bind_look`."""
         own, _ = self._carried("bind_look", origins)
         _check_bearings("bind_look", bearings, origins)
-        return bind_look(self._world, own, origins, *self._table(bearings), limits, out, thing)
+        return bind_look(self._world, own, origins, *self._table(bearings), limits, out, thing, nearest)
 
     def normals(self, origins: Array, bearings: Array, bodies: Ints, row: Ints | None = None) -> Array:
         """The normals of bodies where beams enter them; see `amorsim.contracts.View.normals`."""
