@@ -76,8 +76,8 @@ from amorsim.core.errors import (
     SnapshotError,
     StudyError,
 )
-from amorsim.core.estimated_map import estimated_map
-from amorsim.core.map import Map
+from amorsim.core.maps.estimated_map import estimated_map
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.core.poses import compose, exponential, logarithm, relative, wrap_angle
 from amorsim.core.rows import stack

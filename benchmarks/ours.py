@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 import amorsim as am
-from amorsim.simulation.snapshot import Snapshot
+from amorsim.simulation.state.snapshot import Snapshot
 from benchmarks.results import mean_range
 from benchmarks.task import DT, RADIUS, RANGE_MAX, RANGE_STD, Task, Track
 from benchmarks.worlds import World

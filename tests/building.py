@@ -12,7 +12,7 @@ import numpy as np
 import amorsim as am
 from amorsim.contracts import Clock, Context, Controller, Draws, Estimate, RobotModel, State, parameter
 from amorsim.controllers.manual import Manual
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.shapes import Shape
 from amorsim.drives.differential import Differential
 from amorsim.drives.tractor import Tractor

@@ -10,9 +10,9 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.core.cell_lines import placed
 from amorsim.core.errors import MapError, PlanError
-from amorsim.core.map import Map, Place
+from amorsim.core.maps.cell_lines import placed
+from amorsim.core.maps.map import Map, Place
 from amorsim.kernels.search.cell_clearance import squared_gaps
 
 __all__ = ["Cells", "free_cells", "gaps_to_walls", "place_of", "usual_side"]

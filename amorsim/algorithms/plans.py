@@ -11,7 +11,7 @@ import numpy as np
 from amorsim.contracts import Plan, Planner
 from amorsim.core.error_text import RAISED, error_in_words, in_words
 from amorsim.core.errors import AmorsimError, ComponentError
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import LARGEST
 from amorsim.core.shapes import Shape
 

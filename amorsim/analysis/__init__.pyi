@@ -8,13 +8,13 @@ from amorsim.analysis.comparison import compare
 from amorsim.analysis.consistency import run_nees, run_nis
 from amorsim.analysis.differences import Comparison, Difference
 from amorsim.analysis.export import export_run
+from amorsim.analysis.logs.recordings import read_bag, read_log, read_mcap
+from amorsim.analysis.logs.run_log import LogEntry
+from amorsim.analysis.logs.slam_on_log import SlamResult, slam
 from amorsim.analysis.measuring import measure
 from amorsim.analysis.pose_errors import PoseErrors, Statistics, ape, relation_errors, rpe
-from amorsim.analysis.recordings import read_bag, read_log, read_mcap
 from amorsim.analysis.relations import clock_offset, read_relations
 from amorsim.analysis.run_files import RunFiles
-from amorsim.analysis.run_log import LogEntry
-from amorsim.analysis.slam_on_log import SlamResult, slam
 from amorsim.analysis.trajectory import (
     Trajectory,
     read_csv,

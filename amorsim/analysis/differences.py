@@ -15,8 +15,8 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.core.atomic_files import write_text
 from amorsim.core.display import in_notebook
+from amorsim.core.files.atomic_files import write_text
 from amorsim.render.words import significant, with_interval
 
 __all__ = ["ABOUT", "Comparison", "Difference", "Summary", "metric_of_estimator", "p_in_words"]

@@ -9,8 +9,8 @@ from pathlib import Path
 from amorsim.analysis.run_files import RunFiles
 from amorsim.analysis.trajectory import run_trajectories, write_csv, write_kitti, write_tum
 from amorsim.core.arguments import checked, path_of
-from amorsim.core.atomic_files import replacing
 from amorsim.core.errors import AnalysisError
+from amorsim.core.files.atomic_files import replacing
 from amorsim.runs.folder import tables_of
 
 __all__ = ["FORMATS", "export_run"]
@@ -59,13 +59,13 @@ def export_run(
     if kind == "parquet":
         return _tables(files, folder, within)
     if kind == "mcap":
-        from amorsim.analysis.mcap_file import write_mcap
+        from amorsim.analysis.logs.mcap_file import write_mcap
 
         path = folder / f"{files.folder.resolve().name}.mcap"
         write_mcap(files, path, within)
         return [path]
     if kind == "rosbag":
-        from amorsim.analysis.bag_file import write_bag
+        from amorsim.analysis.logs.bag_file import write_bag
 
         path = folder / f"{files.folder.resolve().name}-rosbag2"
         write_bag(files, path, within)

@@ -15,11 +15,11 @@ from amorsim.analysis.run_files import RunFiles
 from amorsim.contracts import Episode, Metric
 from amorsim.core.arguments import check_kind
 from amorsim.core.errors import AnalysisError
-from amorsim.core.json_files import parse_json
-from amorsim.core.map import Map
+from amorsim.core.files.json_files import parse_json
+from amorsim.core.maps.map import Map
 from amorsim.scenario.spec import Robot
-from amorsim.simulation.alike import channels_of
 from amorsim.simulation.events import Event
+from amorsim.simulation.fleet.alike import channels_of
 from amorsim.simulation.keeping import LAST
 from amorsim.worlds.drawn import map_of, origin_of
 

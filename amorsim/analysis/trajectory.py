@@ -14,9 +14,9 @@ import numpy.typing as npt
 
 from amorsim.analysis.run_files import RunFiles
 from amorsim.core.arguments import check_kind, checked, path_of
-from amorsim.core.atomic_files import write_text
 from amorsim.core.errors import AnalysisError, RunError
-from amorsim.core.reading import read_bytes, reason
+from amorsim.core.files.atomic_files import write_text
+from amorsim.core.files.reading import read_bytes, reason
 from amorsim.core.unknown_names import no_such
 
 __all__ = [

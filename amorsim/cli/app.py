@@ -14,34 +14,12 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from amorsim.cli import (
-    calibrate,
-    check,
-    compare,
-    compile_,
-    convert,
-    edit,
-    explain,
-    export,
-    generate,
-    grade,
-    lab,
-    new,
-    plan,
-    plot,
-    plugins,
-    replay,
-    report,
-    reproduce,
-    run,
-    schema,
-    slam,
-    sweep,
-    umbmark,
-    view,
-)
+from amorsim.cli import compile_, grade, lab, new, plugins, schema
 from amorsim.cli.console import complain
+from amorsim.cli.runs import export, plot, replay, report, reproduce, run, slam, view
+from amorsim.cli.scenarios import check, convert, edit, explain, generate, plan
 from amorsim.cli.start import answer_interrupts
+from amorsim.cli.studies import calibrate, compare, sweep, umbmark
 from amorsim.core.error_text import explain as in_words
 from amorsim.core.errors import AmorsimError
 

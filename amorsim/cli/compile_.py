@@ -32,7 +32,7 @@ def command(
     if archive is None:
         compile_all(quiet, more=True)
         return
-    from amorsim.core.atomic_files import check_place
+    from amorsim.core.files.atomic_files import check_place
     from amorsim.kernels.archive import ArchiveError, misfit, pack_kernels, unpack_kernels
     from amorsim.kernels.cache_folder import cache_folder
 

@@ -64,8 +64,8 @@ class Wanted:
                     "makes one"
                 )
             return
-        from amorsim.core.atomic_files import check_place
-        from amorsim.core.reading import is_file
+        from amorsim.core.files.atomic_files import check_place
+        from amorsim.core.files.reading import is_file
         from amorsim.runs.video_writer import check_film
 
         for kind, file in self.files.items():

@@ -37,7 +37,7 @@ def command(
     its process or needs too much memory has no points in that run, with the reason. The same command goes on with a
     grading that was interrupted.
     """
-    from amorsim.cli.study import table
+    from amorsim.cli.studies.study import table
     from amorsim.grading.grade import grade
     from amorsim.grading.gradescope import write_gradescope
     from amorsim.grading.results import UNFENCED

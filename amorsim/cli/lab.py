@@ -62,7 +62,7 @@ def check(
     ] = False,
 ) -> None:
     """Grade your own file by the lab's rubric, over seeds that are drawn anew and are not those of the lecturer."""
-    from amorsim.cli.study import table
+    from amorsim.cli.studies.study import table
     from amorsim.grading.grade import grade
     from amorsim.grading.questions import ANSWERS
     from amorsim.grading.rubric import read_rubric

@@ -11,9 +11,9 @@ from typing import Annotated
 import typer
 
 from amorsim.cli.console import say
-from amorsim.core.atomic_files import write_text
 from amorsim.core.errors import RunError
-from amorsim.core.reading import is_file
+from amorsim.core.files.atomic_files import write_text
+from amorsim.core.files.reading import is_file
 
 __all__ = ["command"]
 

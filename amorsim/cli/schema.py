@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from amorsim.core.atomic_files import write_text
+from amorsim.core.files.atomic_files import write_text
 
 __all__ = ["command"]
 

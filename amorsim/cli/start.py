@@ -10,7 +10,7 @@ import atexit
 import signal
 import threading
 
-from amorsim.core.interrupt_signal import raise_interrupt
+from amorsim.core.execution.interrupt_signal import raise_interrupt
 
 __all__ = ["answer_interrupts", "main"]
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import ClassVar
 
 from amorsim.core.errors import MapError
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 
 __all__ = ["MapLoader"]
 

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from amorsim.contracts.robot import Part
 from amorsim.contracts.values import Array
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.shapes import Shape
 
 __all__ = ["Episode", "Metric"]

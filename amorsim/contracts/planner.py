@@ -12,7 +12,7 @@ import numpy as np
 
 from amorsim.contracts.values import Array
 from amorsim.core.display import in_notebook
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.shapes import Shape
 
 __all__ = ["Plan", "Planner"]

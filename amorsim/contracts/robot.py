@@ -14,7 +14,7 @@ from amorsim.contracts.binding import DriveBinding, SensorBinding, simple_form_f
 from amorsim.contracts.values import Aim, Array, Beliefs, State
 from amorsim.contracts.view import Emission, View
 from amorsim.core.draws import Draws
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.poses import Mount, exponential
 from amorsim.core.shapes import Shape
 

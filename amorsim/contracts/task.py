@@ -13,7 +13,7 @@ import numpy.typing as npt
 from amorsim.contracts.robot import RobotModel
 from amorsim.contracts.values import Array, Estimate, Measurement, State
 from amorsim.core.draws import Draws
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import parameter
 
 __all__ = ["Observable", "StepOutcome", "Task", "TrueState"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import abc
 
 from amorsim.core.draws import Draws
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 
 __all__ = ["WorldGenerator"]
 

@@ -15,8 +15,8 @@ from amorsim.algorithms.speed_profile import pieces_of
 from amorsim.contracts import Beliefs, Plan, Planner, RobotModel, State
 from amorsim.controllers.pursuit import turn_back
 from amorsim.core.errors import ComponentError, ControllerError, PlanError
-from amorsim.core.estimated_map import estimated_map
-from amorsim.core.map import Map
+from amorsim.core.maps.estimated_map import estimated_map
+from amorsim.core.maps.map import Map
 from amorsim.core.shapes import Shape
 from amorsim.kernels.avoidance.seen_window import Window
 

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.errors import AmorsimError
-from amorsim.core.workers import Workers
+from amorsim.core.execution.workers import Workers
 from amorsim.kernels.random import philox
 from amorsim.kernels.sensing.noise_steps import MEDIANS
 

@@ -11,9 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Drive, parameter
+from amorsim.core.execution.workers import in_turn
 from amorsim.core.parameters import own_first
 from amorsim.core.poses import logarithm
-from amorsim.core.workers import in_turn
 from amorsim.kernels.kinematics import poses
 
 __all__ = ["Motors", "Steered", "Winding", "over_rows"]

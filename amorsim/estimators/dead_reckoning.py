@@ -22,7 +22,7 @@ from amorsim.contracts import (
     parameter,
 )
 from amorsim.contracts.estimator import update_bound
-from amorsim.core.workers import in_turn
+from amorsim.core.execution.workers import in_turn
 from amorsim.estimators.initial_beliefs import covariance_at_start, refuse_lost
 from amorsim.estimators.wheels import bind_angles, bind_step, check_encoder
 from amorsim.kernels.kinematics import odometry

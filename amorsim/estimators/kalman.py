@@ -30,7 +30,7 @@ from amorsim.contracts import (
 )
 from amorsim.contracts.estimator import update_bound
 from amorsim.core.errors import ComponentError
-from amorsim.core.workers import in_turn
+from amorsim.core.execution.workers import in_turn
 from amorsim.estimators.ages import bind_fresh
 from amorsim.estimators.initial_beliefs import covariance_at_start, refuse_lost
 from amorsim.estimators.kalman_sources import SOURCES, check_sources, noise_in_words

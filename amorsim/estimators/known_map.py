@@ -13,8 +13,8 @@ import numpy.typing as npt
 
 from amorsim.contracts import RobotModel
 from amorsim.core.errors import ComponentError, MapError
-from amorsim.core.free_places import free_places
-from amorsim.core.map import Map
+from amorsim.core.maps.free_places import free_places
+from amorsim.core.maps.map import Map
 from amorsim.kernels import elementary
 from amorsim.kernels.filters.beams import Field, Place
 from amorsim.kernels.filters.particles import Free

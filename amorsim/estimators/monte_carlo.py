@@ -25,7 +25,7 @@ from amorsim.contracts import (
     parameter,
 )
 from amorsim.core.errors import ComponentError
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.estimators.ages import check_fresh
 from amorsim.estimators.known_map import Ends, field_of, free_of, maps_of, no_field, nowhere, place_of

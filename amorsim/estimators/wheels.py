@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Drive, Joint, Measurement, RobotModel
 from amorsim.core.errors import ComponentError, did_you_mean
-from amorsim.core.workers import in_turn
+from amorsim.core.execution.workers import in_turn
 from amorsim.kernels.kinematics import odometry, poses
 from amorsim.kernels.number_checks import has_nan
 

@@ -24,7 +24,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import MapLoader, ScenarioDocument, ScenarioLoader
 from amorsim.core.errors import Fault, MapError, ScenarioError
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.foreign.text import Faults, is_binary, read_text
 
 __all__ = ["Khepera", "KheperaMap", "Playground", "Thing", "read_playground"]

@@ -14,9 +14,9 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import MapLoader, ScenarioDocument, ScenarioLoader
-from amorsim.core.cell_lines import extent_of
 from amorsim.core.errors import MapError, ScenarioError
-from amorsim.core.map import Map
+from amorsim.core.maps.cell_lines import extent_of
+from amorsim.core.maps.map import Map
 from amorsim.core.numbers import millimetres
 from amorsim.core.parameters import parameter
 from amorsim.foreign.robot_names import Names

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 from amorsim.core.errors import Fault, ScenarioError
-from amorsim.core.reading import read_bytes, reason
+from amorsim.core.files.reading import read_bytes, reason
 
 __all__ = ["NUMBER", "Faults", "decoded", "is_binary", "read_text"]
 

@@ -17,11 +17,11 @@ import attrs
 import numpy as np
 
 from amorsim.controllers.user import UserController
-from amorsim.core.atomic_files import write_text
 from amorsim.core.error_text import RAISED, error_in_words
 from amorsim.core.errors import AmorsimError, RunError, StudyError
-from amorsim.core.processes import end_with_parent
-from amorsim.core.reading import is_file
+from amorsim.core.execution.processes import end_with_parent
+from amorsim.core.files.atomic_files import write_text
+from amorsim.core.files.reading import is_file
 from amorsim.core.unknown_names import no_such
 from amorsim.grading.fence import Fence, find_fence
 from amorsim.grading.handed_in import HandedIn, hand_in, leads_through_link

@@ -6,7 +6,7 @@ import json
 import os
 from pathlib import Path
 
-from amorsim.core.atomic_files import write_text
+from amorsim.core.files.atomic_files import write_text
 from amorsim.grading.results import Grade
 from amorsim.grading.rubric import Rubric, read_rubric
 

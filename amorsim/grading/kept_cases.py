@@ -10,8 +10,8 @@ from typing import Any
 
 import attrs
 
-from amorsim.core.atomic_files import write_text
 from amorsim.core.errors import RunError, StudyError
+from amorsim.core.files.atomic_files import write_text
 from amorsim.grading.handed_in import HandedIn
 from amorsim.grading.questions import Question
 from amorsim.grading.results import Case, CaseGrade

@@ -11,7 +11,7 @@ import tempfile
 from pathlib import Path
 
 from amorsim.core.errors import StudyError
-from amorsim.core.processes import end_with_children, python_command
+from amorsim.core.execution.processes import end_with_children, python_command
 from amorsim.grading.fence import HOME, TEMPORARY, Fence
 from amorsim.grading.usage import Watch
 

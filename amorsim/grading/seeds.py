@@ -9,7 +9,7 @@ from pathlib import Path
 
 import attrs
 
-from amorsim.core.atomic_files import write_text
+from amorsim.core.files.atomic_files import write_text
 from amorsim.grading.toml_tables import read_tables
 from amorsim.scenario.files.models import FORMAT
 from amorsim.scenario.reading.faults import Node, shown

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import attrs
 
-from amorsim.core.atomic_files import copy_file, write_text
 from amorsim.core.errors import StudyError
+from amorsim.core.files.atomic_files import copy_file, write_text
 from amorsim.core.unknown_names import no_such
 
 __all__ = ["HANDOUT", "Lab", "find_lab", "find_labs", "own_lab", "read_handout", "start_lab"]

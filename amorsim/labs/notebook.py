@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from amorsim.core.atomic_files import write_text
 from amorsim.core.errors import StudyError
+from amorsim.core.files.atomic_files import write_text
 from amorsim.labs.labs import HANDOUT, Lab, read_handout
 
 __all__ = ["NOTEBOOK", "write_notebook"]

@@ -14,9 +14,9 @@ from PIL import Image
 
 from amorsim.contracts import MapLoader
 from amorsim.core.errors import MapError
-from amorsim.core.map import Map
+from amorsim.core.files.reading import is_file
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import parameter
-from amorsim.core.reading import is_file
 from amorsim.maps.pictures import OPAQUE, SIGNATURES, Colours, Rule, open_picture, refuse_too_many_pixels
 from amorsim.maps.unknown import OCCUPIED, UNKNOWN, map_of_classes, unknown_as
 

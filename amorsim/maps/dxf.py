@@ -14,9 +14,9 @@ import numpy as np
 
 from amorsim.contracts import MapLoader
 from amorsim.core.errors import MapError, did_you_mean
-from amorsim.core.map import Map
+from amorsim.core.files.reading import read_bytes, reason
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import parameter
-from amorsim.core.reading import read_bytes, reason
 from amorsim.maps.drawing import Drawing, chord_error
 
 __all__ = ["Dxf"]

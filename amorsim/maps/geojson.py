@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from amorsim.contracts import MapLoader
-from amorsim.core.cell_lines import extent_of, wall_lines
 from amorsim.core.errors import MapError
-from amorsim.core.map import Map
+from amorsim.core.files.reading import read_bytes, reason
+from amorsim.core.maps.cell_lines import extent_of, wall_lines
+from amorsim.core.maps.map import Map
 from amorsim.core.numbers import is_number
 from amorsim.core.parameters import parameter
-from amorsim.core.reading import read_bytes, reason
 from amorsim.maps.drawing import Drawing
 
 __all__ = ["GeoJson"]

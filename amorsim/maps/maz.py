@@ -24,9 +24,9 @@ import attrs
 
 from amorsim.contracts import MapLoader
 from amorsim.core.errors import MapError
-from amorsim.core.map import Map
+from amorsim.core.files.reading import read_bytes, reason
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import parameter
-from amorsim.core.reading import read_bytes, reason
 
 __all__ = ["Maz"]
 

@@ -29,9 +29,9 @@ from numpy.typing import NDArray
 
 from amorsim.contracts import MapLoader
 from amorsim.core.errors import MapError
-from amorsim.core.map import Map
+from amorsim.core.files.reading import read_bytes, reason
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import parameter
-from amorsim.core.reading import read_bytes, reason
 
 __all__ = ["MovingAI", "Problem", "read_problems"]
 

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from PIL import ExifTags, Image, UnidentifiedImageError
 
 from amorsim.core.errors import MapError
-from amorsim.core.map import Map
-from amorsim.core.reading import check_readable, reason
+from amorsim.core.files.reading import check_readable, reason
+from amorsim.core.maps.map import Map
 from amorsim.maps.png_strips import PngFile, png_file
 
 __all__ = ["OPAQUE", "SIGNATURES", "Picture", "open_picture", "refuse_too_many_pixels"]

@@ -29,9 +29,9 @@ from PIL import Image
 
 from amorsim.contracts import MapLoader
 from amorsim.core.errors import MapError
-from amorsim.core.map import Map
+from amorsim.core.files.reading import is_file, read_bytes, reason
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import parameter
-from amorsim.core.reading import is_file, read_bytes, reason
 from amorsim.maps.pictures import OPAQUE, Colours, Picture, open_picture, refuse_too_many_pixels
 from amorsim.maps.ros_yaml import MapYaml, parse_map_yaml
 from amorsim.maps.unknown import OCCUPIED, UNKNOWN, map_of_classes, unknown_as

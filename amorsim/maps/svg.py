@@ -13,9 +13,9 @@ import attrs
 import numpy as np
 
 from amorsim.contracts import MapLoader
-from amorsim.core.cell_lines import extent_of, wall_lines
 from amorsim.core.errors import MapError
-from amorsim.core.map import Map
+from amorsim.core.maps.cell_lines import extent_of, wall_lines
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import LARGEST, SMALLEST, parameter
 from amorsim.maps.drawing import Drawing, chord_error
 from amorsim.maps.svg_xml import Viewport, length, local, parse_svg, prepare

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from xml.parsers import expat
 
 from amorsim.core.errors import MapError
-from amorsim.core.reading import read_bytes, reason
+from amorsim.core.files.reading import read_bytes, reason
 from amorsim.maps.drawing import Drawing
 
 __all__ = ["Lines", "Viewport", "length", "local", "parse_svg", "prepare"]

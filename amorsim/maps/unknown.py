@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import parameter
 from amorsim.kernels.grid.draft import grid_from_array
 from amorsim.kernels.grid.grid import Grid

@@ -10,12 +10,12 @@ from typing import ClassVar
 import attrs
 
 from amorsim.contracts import MapLoader
-from amorsim.core.cell_lines import extent_of, wall_lines
 from amorsim.core.errors import MapError
-from amorsim.core.map import Map
+from amorsim.core.files.reading import read_bytes, reason
+from amorsim.core.maps.cell_lines import extent_of, wall_lines
+from amorsim.core.maps.map import Map
 from amorsim.core.numbers import millimetres
 from amorsim.core.parameters import parameter
-from amorsim.core.reading import read_bytes, reason
 from amorsim.maps.wld_statements import PUSH_SIGNS, begins_a_world, parse_world
 
 __all__ = ["Wld"]

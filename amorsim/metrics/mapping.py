@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from amorsim.algorithms.map_scores import MapScores, map_scores
 from amorsim.contracts import Episode, Metric, parameter
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.poses import compose, relative
 
 __all__ = ["MapAccuracy", "MapCompleteness", "MapIou"]

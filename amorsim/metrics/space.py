@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Episode, Metric, parameter
-from amorsim.core.footprint_room import wall_gaps
+from amorsim.core.maps.footprint_room import wall_gaps
 
 __all__ = ["Clearance", "Coverage"]
 

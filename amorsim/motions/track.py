@@ -16,9 +16,9 @@ import numpy.typing as npt
 
 from amorsim.contracts import Context, Draws, Motion, State, View, parameter
 from amorsim.core.errors import ComponentError, did_you_mean
+from amorsim.core.files.reading import read_text, reason
 from amorsim.core.parameters import ParameterError
 from amorsim.core.poses import wrap_angle
-from amorsim.core.reading import read_text, reason
 from amorsim.motions.ways import displacement, facing
 
 __all__ = ["Recorded", "Track", "read_track"]

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from amorsim.algorithms.curves import Curve, all_curves
 from amorsim.contracts import Plan
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import parameter
 from amorsim.core.shapes import Shape
 from amorsim.kernels.search.curves import dubins_words, reeds_shepp_words

@@ -11,7 +11,7 @@ import numpy as np
 from amorsim.algorithms.cells import Cells, place_of
 from amorsim.contracts import Plan
 from amorsim.core.errors import PlanError
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.shapes import Shape
 from amorsim.kernels.search.octile import FOUND, GOING_ON, octile_distance
 from amorsim.kernels.search.replan import Replan, follow, new_replan, repair, update_around

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from amorsim.algorithms.cells import Cells, place_of
 from amorsim.contracts import Plan
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import parameter
 from amorsim.core.shapes import Shape
 from amorsim.kernels.search.any_angle import is_open_line

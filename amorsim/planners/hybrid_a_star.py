@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from amorsim.algorithms.cells import free_cells
 from amorsim.contracts import Plan
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import ParameterError, parameter
 from amorsim.core.shapes import Shape, pack
 from amorsim.kernels.search.curves import MOST_WORDS, trace_word

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from amorsim.algorithms.cells import Cells, free_cells
 from amorsim.contracts import Plan, Planner
 from amorsim.core.errors import PlanError
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import parameter
 from amorsim.core.shapes import Shape
 from amorsim.kernels import elementary

@@ -14,7 +14,7 @@ import shapely
 from amorsim.algorithms.cells import check_map, free_cells, place_of
 from amorsim.contracts import Plan, Planner
 from amorsim.core.errors import PlanError
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import parameter
 from amorsim.core.shapes import SMALLEST, Shape, pack
 from amorsim.kernels.collision.clearance import map_gaps

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from amorsim.algorithms.cells import Cells, gaps_to_walls, place_of
 from amorsim.contracts import Plan
 from amorsim.core.errors import PlanError
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import parameter
 from amorsim.core.shapes import Shape
 from amorsim.planners.grid_planner import Found, GridPlanner, octile_length

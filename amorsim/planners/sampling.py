@@ -13,8 +13,8 @@ import numpy.typing as npt
 
 from amorsim.algorithms.cells import Cells, place_of
 from amorsim.contracts import Plan
-from amorsim.core.cell_lines import placed
-from amorsim.core.map import Map
+from amorsim.core.maps.cell_lines import placed
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import parameter
 from amorsim.core.shapes import Shape
 from amorsim.kernels.search.any_angle import is_open_line

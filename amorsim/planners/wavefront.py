@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from amorsim.algorithms.cells import Cells, place_of
 from amorsim.core.errors import PlanError
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.shapes import Shape
 from amorsim.kernels.search.field import Wave, descend, new_wave, spread
 from amorsim.kernels.search.octile import GOING_ON

@@ -28,7 +28,7 @@ from amorsim.contracts import (
 from amorsim.core.arguments import checked
 from amorsim.core.error_text import RAISED
 from amorsim.core.errors import PluginError, did_you_mean
-from amorsim.core.reading import is_file
+from amorsim.core.files.reading import is_file
 from amorsim.core.unknown_names import no_such
 from amorsim.plugins.checks import check_class, check_name
 

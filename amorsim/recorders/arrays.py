@@ -11,8 +11,8 @@ import attrs
 import numpy as np
 
 from amorsim.contracts import Frame, Recorder, RunInfo, parameter
-from amorsim.core.atomic_files import write_bytes
 from amorsim.core.errors import RunError, did_you_mean
+from amorsim.core.files.atomic_files import write_bytes
 
 __all__ = ["Arrays"]
 

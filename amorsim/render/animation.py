@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-from amorsim.core.atomic_files import write_bytes
 from amorsim.core.errors import RunError
-from amorsim.core.map import Map
+from amorsim.core.files.atomic_files import write_bytes
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.core.patches import Patch
 from amorsim.render.marks import COLOURS

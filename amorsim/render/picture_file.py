@@ -9,7 +9,7 @@ from pathlib import Path
 from PIL import Image, UnidentifiedImageError
 
 from amorsim.core.errors import RunError
-from amorsim.core.reading import read_bytes, reason
+from amorsim.core.files.reading import read_bytes, reason
 
 __all__ = ["read_png"]
 

@@ -12,7 +12,7 @@ from PIL import Image
 from amorsim.contracts import Plan
 from amorsim.core.arguments import check_kind, check_text, numbers
 from amorsim.core.error_text import in_words
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.core.shapes import Shape
 from amorsim.render import marks

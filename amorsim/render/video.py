@@ -8,8 +8,8 @@ from pathlib import Path
 
 from PIL import Image
 
-from amorsim.core.atomic_files import replacing
 from amorsim.core.errors import RunError
+from amorsim.core.files.atomic_files import replacing
 
 __all__ = ["check_video", "write_video"]
 

@@ -14,7 +14,7 @@ from PIL import Image
 from amorsim.analysis.differences import Comparison
 from amorsim.contracts import Frame, Plan
 from amorsim.core.errors import AmorsimError
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.render.picture import draw_map, draw_run
 from amorsim.runs.drawing import draw
 from amorsim.runs.session import RunSummary

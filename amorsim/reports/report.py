@@ -6,9 +6,9 @@ import os
 from pathlib import Path
 
 from amorsim.core.arguments import path_of
-from amorsim.core.atomic_files import write_text
 from amorsim.core.errors import AnalysisError
-from amorsim.core.reading import is_file
+from amorsim.core.files.atomic_files import write_text
+from amorsim.core.files.reading import is_file
 from amorsim.reports.run import run_page
 from amorsim.reports.study import comparison_page, study_page
 

@@ -91,7 +91,7 @@ def _pictures(page: Page, files: RunFiles) -> None:
     if picture.exists():
         page.picture(read_png(picture), "map and paths")
     try:
-        from amorsim.analysis.plot import pictures_of
+        from amorsim.analysis.plots.plot import pictures_of
     except ModuleNotFoundError as error:
         if (error.name or "").partition(".")[0] != "matplotlib":
             raise

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from amorsim.analysis.logs.slam_on_log import SlamResult
 from amorsim.analysis.pose_errors import PoseErrors
-from amorsim.analysis.slam_on_log import SlamResult
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.reports.page import Page
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def _figures(position: Any) -> tuple[float, float, float]:
 def _axis(title_x: str, title_y: str) -> tuple[Figure, Any]:
     from matplotlib.figure import Figure
 
-    from amorsim.analysis.figures import tidy
+    from amorsim.analysis.plots.figures import tidy
 
     figure = Figure(figsize=(9.0, 7.8), layout="constrained")
     axis: Any = figure.subplots()
@@ -91,7 +91,7 @@ def _axis(title_x: str, title_y: str) -> tuple[Figure, Any]:
 
 
 def _map_figure(found: SlamResult, world: Map) -> Figure:
-    from amorsim.analysis.figures import ESTIMATED, legend
+    from amorsim.analysis.plots.figures import ESTIMATED, legend
 
     figure, axis = _axis("x [m]", "y [m]")
     axis.grid(visible=False)  # too like walls
@@ -107,7 +107,7 @@ def _map_figure(found: SlamResult, world: Map) -> Figure:
 
 
 def _path_figure(found: SlamResult) -> Figure:
-    from amorsim.analysis.figures import ESTIMATED, MEASURED, OTHERS, legend
+    from amorsim.analysis.plots.figures import ESTIMATED, MEASURED, OTHERS, legend
 
     figure, axis = _axis("x [m]", "y [m]")
     for (name, what), style in zip(reversed(PATHS), (MEASURED, OTHERS[0], ESTIMATED), strict=True):
@@ -118,7 +118,7 @@ def _path_figure(found: SlamResult) -> Figure:
 
 
 def _error_figure(errors: dict[str, PoseErrors]) -> Figure:
-    from amorsim.analysis.figures import ESTIMATED, MEASURED, OTHERS, legend
+    from amorsim.analysis.plots.figures import ESTIMATED, MEASURED, OTHERS, legend
 
     figure, axis = _axis("error of the position [m]", "share of the relations")
     for (name, what), style in zip(PATHS, (ESTIMATED, OTHERS[0], MEASURED), strict=True):

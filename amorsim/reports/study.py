@@ -10,8 +10,8 @@ import numpy as np
 from amorsim.algorithms.intervals import mean_interval
 from amorsim.analysis.differences import metric_of_estimator, p_in_words
 from amorsim.core.errors import StudyError
-from amorsim.core.json_files import read_table
-from amorsim.core.reading import read_bytes, reason
+from amorsim.core.files.json_files import read_table
+from amorsim.core.files.reading import read_bytes, reason
 from amorsim.render.picture_file import read_png
 from amorsim.render.words import rounded, significant
 from amorsim.reports.page import Page, interval_cell
@@ -94,7 +94,7 @@ def _points(study: Study) -> list[list[str]]:
 
 def _pictures(page: Page, study: Study) -> None:
     try:
-        from amorsim.analysis.comparison_plots import draw_metric
+        from amorsim.analysis.plots.comparison_plots import draw_metric
     except ModuleNotFoundError as error:
         if (error.name or "").partition(".")[0] != "matplotlib":
             raise

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.errors import RunError
-from amorsim.core.reading import check_readable, reason
+from amorsim.core.files.reading import check_readable, reason
 
 __all__ = ["LARGEST", "read_arrays", "sizes_of"]
 

@@ -12,7 +12,7 @@ from PIL import Image
 from amorsim.core.arguments import checked
 from amorsim.core.error_text import in_words
 from amorsim.core.errors import AmorsimError
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.render.picture import checked_size, draw_map, draw_run
 from amorsim.runs.traces import paths_of, things_of
 from amorsim.scenario.spec import Scenario

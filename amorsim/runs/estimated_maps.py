@@ -7,8 +7,8 @@ from pathlib import Path
 
 from amorsim.contracts import Frame
 from amorsim.core.errors import AmorsimError
-from amorsim.core.estimated_map import estimated_map
-from amorsim.core.map import Map
+from amorsim.core.maps.estimated_map import estimated_map
+from amorsim.core.maps.map import Map
 from amorsim.scenario.files.maps import save_map
 from amorsim.simulation.simulation import Simulation
 

@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import Any
 
 from amorsim.core.arguments import path_of
-from amorsim.core.atomic_files import create_text, write_text
 from amorsim.core.errors import RunError
-from amorsim.core.temporary_folders import HIDDEN, own_name, remove_left
+from amorsim.core.files.atomic_files import create_text, write_text
+from amorsim.core.files.temporary_folders import HIDDEN, own_name, remove_left
 from amorsim.plugins.manager import default_registry
 from amorsim.runs.machine import processor
 

@@ -8,7 +8,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from amorsim.core.errors import RunError
-from amorsim.core.json_files import Check, check_keys, is_figure, is_real, is_text, is_whole, read_table, table_of
+from amorsim.core.files.json_files import Check, check_keys, is_figure, is_real, is_text, is_whole, read_table, table_of
 from amorsim.core.parameters import ParameterError, check_value, describe
 from amorsim.runs.folder import ABOUT, FORMAT
 from amorsim.runs.tables import check_file

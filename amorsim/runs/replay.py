@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from amorsim.core.errors import AmorsimError, RunError
-from amorsim.core.json_files import parse_json
+from amorsim.core.files.json_files import parse_json
 from amorsim.runs.tables import Line, read_lines
 from amorsim.scenario.reading.chains import is_chain
 from amorsim.scenario.reading.faults import shown

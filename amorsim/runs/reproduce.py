@@ -11,8 +11,8 @@ import attrs
 
 from amorsim.core.arguments import checked, path_of
 from amorsim.core.errors import AmorsimError, RunError
-from amorsim.core.progress import progress_shown
-from amorsim.core.temporary_folders import temporary_folder
+from amorsim.core.execution.progress import progress_shown
+from amorsim.core.files.temporary_folders import temporary_folder
 from amorsim.runs.compare import TOLERANCE, Difference, first_difference
 from amorsim.runs.folder import circumstances, fingerprints
 from amorsim.runs.manifest import RUN_FOLDER, read_about, scenario_of

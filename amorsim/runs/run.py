@@ -6,8 +6,8 @@ import os
 from collections.abc import Callable, Sequence
 
 from amorsim.core.arguments import checked
-from amorsim.core.interrupt import Interrupt
-from amorsim.core.progress import progress_shown
+from amorsim.core.execution.interrupt import Interrupt
+from amorsim.core.execution.progress import progress_shown
 from amorsim.kernels.cache_folder import mark_warm
 from amorsim.runs.folder import new_folder
 from amorsim.runs.session import RunSession, RunSummary, steps_of

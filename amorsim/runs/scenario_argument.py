@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 import attrs
 
 from amorsim.core.errors import AmorsimError, MapError
+from amorsim.core.files.reading import is_file, is_there
 from amorsim.core.parameters import ParameterError, check_value, describe
-from amorsim.core.reading import is_file, is_there
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from amorsim.core.map import Map
+    from amorsim.core.maps.map import Map
     from amorsim.scenario.documents.document import Document
     from amorsim.scenario.spec import Scenario
     from amorsim.simulation.simulation import Simulation

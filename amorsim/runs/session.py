@@ -16,10 +16,10 @@ import attrs
 
 from amorsim.contracts import Recorder, RunInfo
 from amorsim.core.arguments import checked
-from amorsim.core.atomic_files import write_bytes
 from amorsim.core.display import in_notebook
 from amorsim.core.error_text import in_words
 from amorsim.core.errors import RunError
+from amorsim.core.files.atomic_files import write_bytes
 from amorsim.core.user_code import go_back, present_folder
 from amorsim.plugins.manager import default_registry, run_finished, run_started
 from amorsim.render.picture import draw_run

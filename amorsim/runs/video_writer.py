@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.errors import RunError
-from amorsim.core.map import Map
+from amorsim.core.files.reading import is_folder
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.core.patches import Patch
-from amorsim.core.reading import is_folder
 from amorsim.core.shapes import Shape
 from amorsim.render.animation import SMALLEST, Animation, Shown
 from amorsim.render.video import check_video

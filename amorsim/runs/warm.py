@@ -18,10 +18,10 @@ from typing import Any
 import numpy as np
 
 from amorsim.contracts import Planner
-from amorsim.core.map import Map
+from amorsim.core.files.temporary_folders import temporary_folder
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import describe
 from amorsim.core.shapes import Shape
-from amorsim.core.temporary_folders import temporary_folder
 from amorsim.kernels.cache_folder import cache_folder, mark_warm
 from amorsim.kernels.sensing.readings import shares_of_range
 from amorsim.planners.d_star_lite import DStarLite

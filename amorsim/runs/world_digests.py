@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.simulation.simulation import Simulation
 from amorsim.worlds.drawn import origin_of
 

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from amorsim.contracts import Noise
 from amorsim.core.arguments import whole
 from amorsim.core.error_text import RAISED
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.rows import stack
 from amorsim.scenario.random_start import RandomStart
 from amorsim.scenario.spec import MountedSensor, Obstacle, Robot

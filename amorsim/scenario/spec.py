@@ -23,7 +23,7 @@ from amorsim.core.display import in_notebook
 from amorsim.core.distributions import Distribution
 from amorsim.core.error_text import in_words
 from amorsim.core.errors import ComponentError
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import ParameterError, check_value, describe
 from amorsim.core.shapes import Shape
 from amorsim.estimators.user import UserEstimator

@@ -13,8 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Aim, Draws, Drive, Mount, Sensor, SensorBinding, State, View, parameter
+from amorsim.core.execution.workers import in_turn
 from amorsim.core.parameters import ParameterError
-from amorsim.core.workers import in_turn
 from amorsim.kernels.sensing import readings
 from amorsim.sensors.response import check_table, ring_poses
 

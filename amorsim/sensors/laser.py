@@ -12,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Aim, Draws, Drive, Sensor, SensorBinding, Side, State, View, parameter
+from amorsim.core.execution.workers import at_first_call, in_turn
 from amorsim.core.parameters import ParameterError
-from amorsim.core.workers import at_first_call, in_turn
 from amorsim.kernels.sensing import readings
 from amorsim.sensors.incidence import bind_incidence
 from amorsim.sensors.sweep import poses_at

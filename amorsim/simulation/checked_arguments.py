@@ -10,7 +10,7 @@ import numpy as np
 
 from amorsim.core.error_text import in_words
 from amorsim.core.errors import AmorsimError
-from amorsim.core.memory import too_large
+from amorsim.core.execution.memory import too_large
 from amorsim.core.parameters import check_value, describe
 from amorsim.scenario.needs import least_bytes
 from amorsim.scenario.spec import Obstacle, Robot, Scenario

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from amorsim.contracts import Emission
 from amorsim.core.error_text import RAISED
 from amorsim.simulation.error_context import array_problem
-from amorsim.simulation.group import Group
+from amorsim.simulation.fleet.group import Group
 from amorsim.simulation.sensing.device import Device
 from amorsim.simulation.world.world import Emitted, World
 

@@ -17,14 +17,14 @@ from amorsim.core.error_text import in_words
 from amorsim.core.errors import AmorsimError, ComponentError, did_you_mean
 from amorsim.scenario.programs.programs import loaded_robot
 from amorsim.scenario.spec import Robot
-from amorsim.simulation.alike import channels_of, poses_of, reading_size, robot_model
-from amorsim.simulation.beliefs import beliefs_of_step
 from amorsim.simulation.checked_arguments import checked_seed
-from amorsim.simulation.drive_check import check_drive
 from amorsim.simulation.error_context import ErrorContext
-from amorsim.simulation.estimating import Estimators
-from amorsim.simulation.feeding import FeedingError, feeding_order
-from amorsim.simulation.first_beliefs import BELIEF, first_beliefs
+from amorsim.simulation.estimation.beliefs import beliefs_of_step
+from amorsim.simulation.estimation.estimating import Estimators
+from amorsim.simulation.estimation.feeding import FeedingError, feeding_order
+from amorsim.simulation.estimation.first_beliefs import BELIEF, first_beliefs
+from amorsim.simulation.fleet.alike import channels_of, poses_of, reading_size, robot_model
+from amorsim.simulation.fleet.drive_check import check_drive
 from amorsim.simulation.handle import finite_numbers
 from amorsim.simulation.row_clock import RowClock
 from amorsim.simulation.schedule import Call, walk

@@ -20,9 +20,9 @@ from amorsim.core.unknown_names import no_such
 
 if TYPE_CHECKING:
     from amorsim.scenario.spec import Robot
-    from amorsim.simulation.fleet import Fleet
-    from amorsim.simulation.group import Group
-    from amorsim.simulation.obstacles import ObstacleGroup
+    from amorsim.simulation.fleet.fleet import Fleet
+    from amorsim.simulation.fleet.group import Group
+    from amorsim.simulation.fleet.obstacles import ObstacleGroup
 
 __all__ = ["Known", "ObstacleHandle", "Reading", "Readings", "RobotHandle", "finite_numbers"]
 

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from amorsim.contracts import Beliefs, Frame
 from amorsim.core.arguments import texts
 from amorsim.core.errors import AmorsimError
-from amorsim.core.memory import too_large
+from amorsim.core.execution.memory import too_large
 from amorsim.core.unknown_names import no_such
 
 __all__ = ["LAST", "Keeper", "quantity_problem"]

@@ -10,10 +10,10 @@ import numpy.typing as npt
 import shapely
 
 from amorsim.contracts import Controller, Motion
-from amorsim.core.connectivity import shut_off
 from amorsim.core.errors import ComponentError, MapError
-from amorsim.core.footprint_room import out_of_reach
-from amorsim.core.map import Map
+from amorsim.core.maps.connectivity import shut_off
+from amorsim.core.maps.footprint_room import out_of_reach
+from amorsim.core.maps.map import Map
 from amorsim.scenario.named_places import goals_of
 from amorsim.scenario.parameter_paths import changed
 from amorsim.scenario.reading.worlds import start_of

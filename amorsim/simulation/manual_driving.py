@@ -14,7 +14,7 @@ from amorsim.core.error_text import in_words
 from amorsim.core.errors import AmorsimError
 from amorsim.core.parameters import LARGEST
 from amorsim.core.unknown_names import no_such
-from amorsim.simulation.fleet import Fleet
+from amorsim.simulation.fleet.fleet import Fleet
 
 __all__ = ["drive_all"]
 

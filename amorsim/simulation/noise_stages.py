@@ -15,9 +15,9 @@ from amorsim.core.arguments import check_kind, checked, whole
 from amorsim.core.errors import AmorsimError
 from amorsim.core.rows import take
 from amorsim.core.unknown_names import no_such
-from amorsim.simulation.group import Group
+from amorsim.simulation.fleet.group import Group
 from amorsim.simulation.simulation import Simulation
-from amorsim.simulation.snapshot import copy_state
+from amorsim.simulation.state.snapshot import copy_state
 
 __all__ = ["KeptStages", "Stage", "keep_stages"]
 

@@ -13,9 +13,9 @@ from amorsim.simulation.contact.contact_ends import still_near
 from amorsim.simulation.contact.resolve import WALL, Contact
 from amorsim.simulation.emissions import bind_emitters
 from amorsim.simulation.error_context import is_finite
-from amorsim.simulation.fleet import Fleet
-from amorsim.simulation.group import Group
-from amorsim.simulation.obstacles import ObstacleGroup
+from amorsim.simulation.fleet.fleet import Fleet
+from amorsim.simulation.fleet.group import Group
+from amorsim.simulation.fleet.obstacles import ObstacleGroup
 from amorsim.simulation.schedule import Call, walk
 
 Array = npt.NDArray[np.float64]

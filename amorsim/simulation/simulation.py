@@ -13,15 +13,15 @@ from amorsim.core.arguments import check_kind, checked, real, whole
 from amorsim.core.display import in_notebook
 from amorsim.core.error_text import in_words
 from amorsim.core.errors import AmorsimError
-from amorsim.core.interrupt import Interrupt
-from amorsim.core.map import Map
+from amorsim.core.execution.interrupt import Interrupt
+from amorsim.core.execution.progress import progress_shown
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import ParameterError
-from amorsim.core.progress import progress_shown
 from amorsim.core.unknown_names import no_such
 from amorsim.scenario.programs.programs import loaded
 from amorsim.scenario.reading.chains import is_chain
 from amorsim.scenario.spec import Scenario
-from amorsim.simulation import changes, phases
+from amorsim.simulation import phases
 from amorsim.simulation.checked_arguments import (
     MAX_REPLICA,
     MOST_STEPS,
@@ -30,16 +30,17 @@ from amorsim.simulation.checked_arguments import (
     replica_numbers,
 )
 from amorsim.simulation.events import Event
-from amorsim.simulation.fleet import Fleet
-from amorsim.simulation.gathering import digest_of, gathered, touching_robots
+from amorsim.simulation.fleet.fleet import Fleet
 from amorsim.simulation.handle import Known, ObstacleHandle, Reading, Readings, RobotHandle, finite_numbers
 from amorsim.simulation.keeping import Keeper
 from amorsim.simulation.manual_driving import drive_all
-from amorsim.simulation.regroup import frames_as
-from amorsim.simulation.restart import begin_episode, fleet_fitting
 from amorsim.simulation.schedule import Schedule
-from amorsim.simulation.snapshot import Snapshot, put_back, take_snapshot
-from amorsim.simulation.true_state import true_state
+from amorsim.simulation.state import changes
+from amorsim.simulation.state.gathering import digest_of, gathered, touching_robots
+from amorsim.simulation.state.regroup import frames_as
+from amorsim.simulation.state.restart import begin_episode, fleet_fitting
+from amorsim.simulation.state.snapshot import Snapshot, put_back, take_snapshot
+from amorsim.simulation.state.true_state import true_state
 from amorsim.simulation.world.occupancy import occupancy
 from amorsim.simulation.world.terrain import Terrains
 

@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 
 from amorsim.core.errors import AmorsimError
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.unknown_names import no_such
 from amorsim.estimators.dead_reckoning import DeadReckoning
 from amorsim.scenario.initial_belief import InitialBelief

@@ -15,7 +15,7 @@ from typing import Any
 import attrs
 
 from amorsim.core.errors import StudyError
-from amorsim.core.processes import end_with_parent
+from amorsim.core.execution.processes import end_with_parent
 from amorsim.sweeps.chunk import Outcome, ignore_interrupts, run_chunk, without_interrupts
 from amorsim.sweeps.plan import Plan
 

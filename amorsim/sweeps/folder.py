@@ -9,10 +9,10 @@ from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from amorsim.core.atomic_files import create_text, write_text
 from amorsim.core.error_text import in_words
 from amorsim.core.errors import AmorsimError, RunError, StudyError
-from amorsim.core.json_files import (
+from amorsim.core.files.atomic_files import create_text, write_text
+from amorsim.core.files.json_files import (
     Key,
     check_keys,
     is_figure,
@@ -23,8 +23,8 @@ from amorsim.core.json_files import (
     read_table,
     table_of,
 )
-from amorsim.core.reading import is_file
-from amorsim.core.temporary_folders import temporary_folder
+from amorsim.core.files.reading import is_file
+from amorsim.core.files.temporary_folders import temporary_folder
 from amorsim.runs.folder import check_free, circumstances, fingerprints
 from amorsim.runs.manifest import read_about
 from amorsim.scenario.files.write import table_text, with_copies

@@ -13,8 +13,8 @@ import numpy as np
 from amorsim.contracts import Metric
 from amorsim.core.arguments import path_of
 from amorsim.core.errors import DocumentError, ScenarioError, StudyError
+from amorsim.core.files.reading import is_file
 from amorsim.core.parameters import ParameterError, check_value, describe
-from amorsim.core.reading import is_file
 from amorsim.core.unknown_names import no_such
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry

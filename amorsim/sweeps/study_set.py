@@ -11,10 +11,10 @@ from typing import Any
 
 import attrs
 
-from amorsim.core.atomic_files import write_text
 from amorsim.core.errors import AmorsimError, StudyError
-from amorsim.core.json_files import read_table
-from amorsim.core.reading import is_file
+from amorsim.core.files.atomic_files import write_text
+from amorsim.core.files.json_files import read_table
+from amorsim.core.files.reading import is_file
 from amorsim.runs.folder import RUNS, check_free, new_folder
 from amorsim.scenario.reading.read import load
 from amorsim.sweeps.folder import inputs_of

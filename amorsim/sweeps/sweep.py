@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 from amorsim.core.arguments import path_of, whole
 from amorsim.core.error_text import in_words
 from amorsim.core.errors import AmorsimError, StudyError
+from amorsim.core.execution.progress import progress_shown
 from amorsim.core.parameters import ParameterError
-from amorsim.core.progress import progress_shown
 from amorsim.runs.folder import RUNS
 from amorsim.scenario.reading.read import load
 from amorsim.scenario.spec import Scenario

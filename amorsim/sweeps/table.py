@@ -13,11 +13,11 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.arguments import checked, path_of
-from amorsim.core.atomic_files import replacing
 from amorsim.core.display import in_notebook
 from amorsim.core.errors import StudyError
-from amorsim.core.memory import too_large
-from amorsim.core.reading import check_readable, is_file
+from amorsim.core.execution.memory import too_large
+from amorsim.core.files.atomic_files import replacing
+from amorsim.core.files.reading import check_readable, is_file
 from amorsim.sweeps.chunk import Outcome
 from amorsim.sweeps.folder import read_study_about
 from amorsim.sweeps.plan import Plan

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.core.free_places import free_places
-from amorsim.core.map import Map
+from amorsim.core.maps.free_places import free_places
+from amorsim.core.maps.map import Map
 from amorsim.kernels.search.field import new_wave, spread
 
 __all__ = ["goal_within"]

@@ -26,7 +26,7 @@ from amorsim.contracts import (
 )
 from amorsim.core.rows import stack
 from amorsim.kernels.kinematics import poses
-from amorsim.simulation.feeding import estimate_readings, feeders
+from amorsim.simulation.estimation.feeding import estimate_readings, feeders
 from amorsim.testing.failure import Who
 from amorsim.testing.rig import DT, ROWS, STEPS, Rig, Session
 

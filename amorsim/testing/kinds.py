@@ -11,10 +11,10 @@ import numpy.typing as npt
 from amorsim.contracts import Aim, Controller, Emission, Estimate, Estimator, Motion, Noise, Sensor, State
 from amorsim.core.noise_steps import steps_problem
 from amorsim.scenario.reading.columns import columns_problem
-from amorsim.simulation.beliefs import beliefs_problem
-from amorsim.simulation.controlling import report_problem
 from amorsim.simulation.emissions import emission_problem
-from amorsim.simulation.feeding import estimate_readings, feeders
+from amorsim.simulation.estimation.beliefs import beliefs_problem
+from amorsim.simulation.estimation.feeding import estimate_readings, feeders
+from amorsim.simulation.fleet.controlling import report_problem
 from amorsim.simulation.world.world import Emitted
 from amorsim.testing.failure import Who, array_in_words
 from amorsim.testing.rig import DT, ROWS, STEPS, Rig, Session

@@ -11,7 +11,7 @@ from pathlib import Path
 from amorsim.contracts import MapLoader
 from amorsim.core.error_text import RAISED, error_in_words
 from amorsim.core.errors import MapError
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.testing.failure import Who
 
 __all__ = ["check_map_loader"]

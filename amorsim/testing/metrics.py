@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 
 from amorsim.contracts import Episode, Metric, Part
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.poses import compose
 from amorsim.core.shapes import Shape
 from amorsim.simulation.events import Event

@@ -10,7 +10,7 @@ import numpy as np
 from amorsim.contracts import Plan, Planner
 from amorsim.core.error_text import RAISED, error_in_words, in_words
 from amorsim.core.errors import PlanError
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.numbers import is_number
 from amorsim.core.shapes import Shape
 from amorsim.testing.failure import Who, array_in_words

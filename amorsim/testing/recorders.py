@@ -12,7 +12,7 @@ import numpy as np
 
 from amorsim.contracts import Recorder, RunInfo
 from amorsim.controllers.goto import GoTo
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.shapes import Shape
 from amorsim.drives.differential import Differential
 from amorsim.estimators.dead_reckoning import DeadReckoning

@@ -21,7 +21,7 @@ from amorsim.contracts import (
     Sensor,
     SensorModel,
 )
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.poses import compose, logarithm
 from amorsim.core.rows import stack, take
 from amorsim.core.shapes import Shape

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from amorsim.contracts import Draws, Observable, StepOutcome, Task, TrueState
 from amorsim.controllers.wander import Wander
 from amorsim.core.draws import stream_key
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.poses import Mount
 from amorsim.core.shapes import Shape
 from amorsim.motions.routes import Loop

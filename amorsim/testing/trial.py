@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import State
 from amorsim.core.rows import stack
-from amorsim.simulation.snapshot import copy_state
+from amorsim.simulation.state.snapshot import copy_state
 from amorsim.testing.failure import Who
 from amorsim.testing.rig import ROWS, STEPS, Rig, Session
 

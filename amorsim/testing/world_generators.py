@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 
 from amorsim.contracts import WorldGenerator
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.testing.failure import Who
 from amorsim.worlds.made import draws_of
 

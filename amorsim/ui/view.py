@@ -13,7 +13,7 @@ from typing import Any
 import attrs
 
 from amorsim.core.errors import AmorsimError, Fault, ScenarioError
-from amorsim.core.temporary_folders import temporary_folder
+from amorsim.core.files.temporary_folders import temporary_folder
 from amorsim.core.user_code import UserCode
 from amorsim.runs.session import run_name
 from amorsim.scenario.files.write import with_maps, write_table

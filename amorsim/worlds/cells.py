@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from amorsim.contracts import WorldGenerator
 from amorsim.core.draws import Draws
 from amorsim.core.errors import MapError
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import parameter
 from amorsim.worlds.passable import cells_of, nearest, without_pockets
 from amorsim.worlds.random_numbers import Numbers

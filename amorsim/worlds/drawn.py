@@ -11,7 +11,7 @@ import attrs
 from amorsim.contracts import WorldGenerator
 from amorsim.core.distributions import STUDY, Distribution, drawn
 from amorsim.core.errors import MapError
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import Parameter, ParameterError, describe, parameter
 from amorsim.worlds.made import MadeWorld, make_world
 

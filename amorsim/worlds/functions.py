@@ -9,7 +9,7 @@ from amorsim.contracts import WorldGenerator
 from amorsim.core.arguments import checked
 from amorsim.core.distributions import Distribution
 from amorsim.core.errors import MapError
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import ParameterError, describe
 from amorsim.core.unknown_names import no_such
 from amorsim.worlds.barn_fields import Barn

@@ -9,8 +9,8 @@ from amorsim.contracts import WorldGenerator
 from amorsim.core.draws import Draws, stream_key
 from amorsim.core.error_text import RAISED, error_in_words
 from amorsim.core.errors import MapError
-from amorsim.core.footprint_room import out_of_reach
-from amorsim.core.map import Map
+from amorsim.core.maps.footprint_room import out_of_reach
+from amorsim.core.maps.map import Map
 
 __all__ = ["MadeWorld", "draws_of", "make_world"]
 

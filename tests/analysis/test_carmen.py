@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 import amorsim as am
 from amorsim.analysis import read_log
-from amorsim.analysis.carmen import read_carmen
+from amorsim.analysis.logs.carmen import read_carmen
 from amorsim.core.errors import AnalysisError
 from amorsim.estimators import ScanMatching
 from tests import building

@@ -13,7 +13,7 @@ pytest.importorskip("matplotlib")
 from matplotlib.collections import LineCollection, PolyCollection
 
 from amorsim.algorithms.intervals import mean_interval
-from amorsim.analysis.comparison_plots import draw_metric
+from amorsim.analysis.plots.comparison_plots import draw_metric
 from amorsim.sweeps.table import Study
 
 

@@ -1,7 +1,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from amorsim.analysis.path_plots import _draw_events
+from amorsim.analysis.plots.path_plots import _draw_events
 
 
 def test_where_a_robot_was_put_or_carried_to_is_marked():

@@ -12,10 +12,10 @@ import pytest
 from PIL import Image
 
 import amorsim as am
-from amorsim.analysis.figures import save_figure
-from amorsim.analysis.plot import plot_run
+from amorsim.analysis.plots.figures import save_figure
+from amorsim.analysis.plots.plot import plot_run
 from amorsim.analysis.run_files import RunFiles
-from amorsim.core.atomic_files import write_text
+from amorsim.core.files.atomic_files import write_text
 from tests.studies import make_study
 
 pytest.importorskip("matplotlib")
@@ -82,7 +82,7 @@ def test_the_figures_say_what_the_files_say(folder: Path, monkeypatch: pytest.Mo
 
     drawn: dict[str, Figure] = {}
     monkeypatch.setattr(
-        "amorsim.analysis.plot.save_figure", lambda figure, path, **_: drawn.update({kind_of(path): figure})
+        "amorsim.analysis.plots.plot.save_figure", lambda figure, path, **_: drawn.update({kind_of(path): figure})
     )
     plot_run(folder)
     files = RunFiles(folder)
@@ -115,7 +115,7 @@ def test_a_run_of_one_moment_and_one_that_saw_nothing_can_be_drawn(
     def save_small(figure: Any, path: Path, *, dpi: int, within: Path) -> None:
         save_figure(figure, path, dpi=20, within=within)
 
-    monkeypatch.setattr("amorsim.analysis.plot.save_figure", save_small)
+    monkeypatch.setattr("amorsim.analysis.plots.plot.save_figure", save_small)
     study = make_study(tmp_path / "study")
     am.run(am.load(study), tmp_path / "short", duration=0.1)
     assert {kind_of(path) for path in plot_run(tmp_path / "short")} == KINDS
@@ -131,7 +131,7 @@ def test_pictures_of_one_robot_and_replica_go_where_they_are_wanted(
     def write_nothing(figure: object, path: Path, *, dpi: int, within: Path) -> None:
         write_text(path, "", within=within)
 
-    monkeypatch.setattr("amorsim.analysis.plot.save_figure", write_nothing)
+    monkeypatch.setattr("amorsim.analysis.plots.plot.save_figure", write_nothing)
     study = make_study(tmp_path / "study")
     am.run(am.load(study), tmp_path / "run", duration=0.3, replicas=2)
     made = plot_run(tmp_path / "run", out=tmp_path / "mine", robot="rover", replica=1)
@@ -189,7 +189,7 @@ def figures(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     """The figures that are drawn, by the names of their files."""
     drawn: dict[str, Any] = {}
     monkeypatch.setattr(
-        "amorsim.analysis.plot.save_figure", lambda figure, path, **_: drawn.update({path.name: figure})
+        "amorsim.analysis.plots.plot.save_figure", lambda figure, path, **_: drawn.update({path.name: figure})
     )
     return drawn
 
@@ -254,7 +254,7 @@ def test_all_replicas_are_summed_up(spread: Path, figures: dict[str, Any]) -> No
 def test_a_run_that_did_not_end_says_so(
     folder: Path, tmp_path: Path, figures: dict[str, Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from amorsim.cli.plot import command
+    from amorsim.cli.runs.plot import command
 
     killed = Path(shutil.copytree(folder, tmp_path / "run"))
     about = json.loads((killed / "run.json").read_text())

@@ -3,7 +3,7 @@
 import numpy as np
 
 import amorsim as am
-from amorsim.analysis import plot
+from amorsim.analysis.plots import plot
 
 TEXT = """
 format = 1

@@ -12,7 +12,7 @@ import pytest
 import amorsim as am
 from amorsim.algorithms.pose_graph import read_g2o
 from amorsim.analysis import SlamResult, clock_offset, read_relations, relation_errors, slam
-from amorsim.analysis.slam_replay import SlamReplay
+from amorsim.analysis.logs.slam_replay import SlamReplay
 from amorsim.core.errors import AnalysisError, RunError
 from amorsim.runs.tables import read_columns
 from tests import building

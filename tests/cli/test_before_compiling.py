@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from amorsim.cli.study import check_out
+from amorsim.cli.studies.study import check_out
 from amorsim.core.errors import RunError
 from amorsim.plugins.manager import default_registry
 from tests.cli.conftest import Command

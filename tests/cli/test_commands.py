@@ -127,7 +127,7 @@ def test_reproduce_tells_a_difference_by_its_exit_status(amorsim: Command, study
 def test_plot_says_when_a_run_is_unfinished(
     amorsim: Command, study: Path, monkeypatch: pytest.MonkeyPatch, change: dict[str, str], words: str
 ) -> None:
-    monkeypatch.setattr("amorsim.analysis.plot.save_figure", lambda *_, **__: None)
+    monkeypatch.setattr("amorsim.analysis.plots.plot.save_figure", lambda *_, **__: None)
     assert amorsim("run", study, "--duration", 0.3, "--out", "run", "-q").status == 0
     about = Path("run/run.json")
     about.write_text(json.dumps(json.loads(about.read_text()) | change))
@@ -141,7 +141,7 @@ def test_plot_without_matplotlib_says_how_to_get_it(
 ) -> None:
     amorsim("run", study, "--duration", "0.1", "--out", "run", "-q")
     for name in ("plot", "figures"):
-        monkeypatch.delitem(sys.modules, f"amorsim.analysis.{name}", raising=False)
+        monkeypatch.delitem(sys.modules, f"amorsim.analysis.plots.{name}", raising=False)
     for name in ("matplotlib", "matplotlib.figure", "matplotlib.transforms"):
         monkeypatch.setitem(sys.modules, name, None)
     result = amorsim("plot", "run")

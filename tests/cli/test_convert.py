@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import amorsim as am
-from amorsim.core import atomic_files
-from amorsim.core.same_cells import have_same_cells
+from amorsim.core.files import atomic_files
+from amorsim.core.maps.same_cells import have_same_cells
 from tests.cli.conftest import Command
 
 WALLS = [(0, 0, 6, 0), (6, 0, 6, 4), (6, 4, 0, 4), (0, 4, 0, 0), (2.0, 1.0, 2.5, 3.25)]

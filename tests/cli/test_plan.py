@@ -191,7 +191,7 @@ def test_an_answer_that_is_no_plan_is_said_with_the_planners_name(
 def test_a_picture_that_cannot_be_written_is_refused_before_the_search(
     amorsim: Command, rooms: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
-    monkeypatch.setattr("amorsim.cli.plan._timed", lambda *_: pytest.fail("it searched"))
+    monkeypatch.setattr("amorsim.cli.scenarios.plan._timed", lambda *_: pytest.fail("it searched"))
     result = amorsim("plan", rooms, *ENDS, "-o", name)
     assert (result.status, result.err) == (2, f"{name}: expected the name of a picture, such as plan.png\n")
     assert not (tmp_path / name).exists()

@@ -193,9 +193,9 @@ def test_the_progress_bar_is_drawn_on_a_terminal(
         shown.append("gone")
 
     monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
-    monkeypatch.setattr("amorsim.core.progress._bar_here", lambda: bar)
-    monkeypatch.setattr("amorsim.core.progress._AFTER", 0.0)
-    monkeypatch.setattr("amorsim.core.progress._EVERY", 0.0)
+    monkeypatch.setattr("amorsim.core.execution.progress._bar_here", lambda: bar)
+    monkeypatch.setattr("amorsim.core.execution.progress._AFTER", 0.0)
+    monkeypatch.setattr("amorsim.core.execution.progress._EVERY", 0.0)
     result = amorsim("run", study, "--duration", "0.5")
     assert result.status == 0
     assert "% simulated" not in result.out

@@ -103,7 +103,7 @@ def test_without_matplotlib_the_picture_is_left_out(monkeypatch: pytest.MonkeyPa
     real = builtins.__import__
 
     def without(name: str, *args: Any, **kwargs: Any) -> Any:
-        if name == "amorsim.analysis" and "study_plots" in (args[2] or ()):
+        if name == "amorsim.analysis.plots" and "study_plots" in (args[2] or ()):
             raise ModuleNotFoundError("No module named 'matplotlib.figure'", name="matplotlib.figure")
         return real(name, *args, **kwargs)
 

@@ -9,7 +9,7 @@ import amorsim.maps.wld
 from amorsim.contracts import Mount
 from amorsim.controllers import Wander
 from amorsim.core.errors import ComponentError
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.core.shapes import Shape
 from amorsim.drives import Differential

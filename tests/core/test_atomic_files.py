@@ -12,8 +12,8 @@ import pytest
 
 import amorsim
 import amorsim as am
-from amorsim.core.atomic_files import check_place, copy_file, create_text, replacing, write_bytes, write_text
 from amorsim.core.errors import MapError, RunError
+from amorsim.core.files.atomic_files import check_place, copy_file, create_text, replacing, write_bytes, write_text
 from tests.disks import small_disk
 
 
@@ -132,12 +132,12 @@ def test_a_file_that_may_not_be_written_is_not_replaced(tmp_path: Path, monkeypa
         write_text(tmp_path / "a.txt", "new")
 
 
-# What is written by its own means: whole_files itself, what is written within `replacing`, lines that a run appends to,
-# what is set aside for them, and a page for the browser in the temporary folder.
+# What is written by its own means: atomic_files itself, what is written within `replacing`, lines that a run appends
+# to, what is set aside for them, and a page for the browser in the temporary folder.
 OWN_MEANS = {
     "algorithms/pose_graph/g2o.py",
-    "analysis/mcap_file.py",
-    "core/atomic_files.py",
+    "analysis/logs/mcap_file.py",
+    "core/files/atomic_files.py",
     "foreign/mobilesim.py",
     "foreign/stage/map.py",
     "grading/child.py",  # into a folder that is gone after the run
@@ -168,7 +168,7 @@ def test_all_that_replaces_files_goes_through_one_way():
             is_method = isinstance(node.func, ast.Attribute) and node.func.attr in WRITES
             modes = [arg.value for arg in node.args if isinstance(arg, ast.Constant) and isinstance(arg.value, str)]
             is_open = getattr(node.func, "attr", getattr(node.func, "id", "")) == "open"
-            assert not is_method, f"{name}:{node.lineno} writes a file by its own means; use core.atomic_files"
+            assert not is_method, f"{name}:{node.lineno} writes a file by its own means; use core.files.atomic_files"
             assert not (is_open and {"w", "wb", "w+"} & set(modes)), f"{name}:{node.lineno} opens a file for writing"
 
 

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import amorsim as am
-from amorsim.core.connectivity import shut_off
+from amorsim.core.maps.connectivity import shut_off
 from tests.examples import settings
 
 SIDE = 6.0

@@ -12,7 +12,7 @@ import pytest
 import amorsim as am
 from amorsim.core.errors import DocumentError, Fault, ScenarioError
 from amorsim.core.parameters import ParameterError
-from amorsim.simulation.feeding import FeedingError
+from amorsim.simulation.estimation.feeding import FeedingError
 from amorsim.testing.failure import CheckError
 
 FAULT = Fault(file="a.toml", path="robots.0.pose", message="expected a table, got 3", line=4, value=3)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from amorsim.core.errors import MapError
-from amorsim.core.free_places import free_places, freest_place
-from amorsim.core.map import Map
-from amorsim.core.roomiest_place import roomiest
+from amorsim.core.maps.free_places import free_places, freest_place
+from amorsim.core.maps.map import Map
+from amorsim.core.maps.roomiest_place import roomiest
 
 ROOM = np.array([[0, 0, 4, 0], [4, 0, 4, 3], [4, 3, 0, 3], [0, 3, 0, 0]], dtype=float)
 

@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from amorsim.core.interrupt_signal import raise_interrupt
+from amorsim.core.execution.interrupt_signal import raise_interrupt
 
 # Both calls back for a kernel: before it is loaded, and after it was compiled.
 IN_A_CALL_BACK = """
@@ -23,8 +23,8 @@ def interrupted(hook):
 
 for name in ("_object_compiled_hook", "_object_getbuffer_hook"):
     setattr(Library, name, interrupted(getattr(Library, name)))
-from amorsim.core.interrupt import Interrupt
-from amorsim.core.interrupt_signal import raise_interrupt
+from amorsim.core.execution.interrupt import Interrupt
+from amorsim.core.execution.interrupt_signal import raise_interrupt
 signal.signal(signal.SIGINT, raise_interrupt)
 try:
     {body}

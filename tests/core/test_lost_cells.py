@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from amorsim.core.lost_cells import lost_cells
-from amorsim.core.map import Map
+from amorsim.core.maps.lost_cells import lost_cells
+from amorsim.core.maps.map import Map
 from tests.examples import settings
 
 CELLS = np.zeros((6, 9), np.uint8)

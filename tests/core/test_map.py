@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-import amorsim.core.map as map_module
+import amorsim.core.maps.map as map_module
 from amorsim.core.errors import MapError
-from amorsim.core.free_places import freest_place
-from amorsim.core.map import Map
+from amorsim.core.maps.free_places import freest_place
+from amorsim.core.maps.map import Map
 from amorsim.kernels.grid.outlines import outline_lines
 
 ROOM = np.array([[0, 0, 4, 0], [4, 0, 4, 3], [4, 3, 0, 3], [0, 3, 0, 0]], dtype=float)

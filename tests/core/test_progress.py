@@ -14,8 +14,8 @@ from typing import Any
 import pytest
 
 import amorsim as am
-from amorsim.core import progress as module
-from amorsim.core.progress import progress_shown
+from amorsim.core.execution import progress as module
+from amorsim.core.execution.progress import progress_shown
 from tests import building
 
 
@@ -105,7 +105,8 @@ def test_the_bar_goes_when_work_fails(bar: Bar) -> None:
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a pseudo-terminal")
 def test_in_a_terminal_it_is_drawn_and_ctrl_c_keeps_what_is_done(tmp_path: Path) -> None:
     code = (
-        "import amorsim as am\nfrom amorsim.core import progress\nfrom tests import building\nprogress._AFTER = 0.0\n"
+        "import amorsim as am\nfrom amorsim.core.execution import progress\nfrom tests import building\n"
+        "progress._AFTER = 0.0\n"
         "sim = am.Simulation(building.scenario(building.robot(), map=building.room(6.0, 4.0, 0.01)))\n"
         "try:\n    sim.run(1e6)\nexcept KeyboardInterrupt:\n    print('kept', sim.tick > 0)\n"
     )

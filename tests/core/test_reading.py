@@ -11,7 +11,7 @@ import pytest
 
 import amorsim as am
 from amorsim.core.errors import AmorsimError
-from amorsim.core.reading import MOST_BYTES, check_readable, is_file, read_bytes, read_text, reason
+from amorsim.core.files.reading import MOST_BYTES, check_readable, is_file, read_bytes, read_text, reason
 from amorsim.motions.track import Track
 from amorsim.runs.folder import check_free
 from amorsim.scenario.programs.controller_files import load_controller

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from amorsim.core.errors import MapError
-from amorsim.core.footprint_room import freest_start
-from amorsim.core.map import Map
+from amorsim.core.maps.footprint_room import freest_start
+from amorsim.core.maps.map import Map
 from amorsim.core.shapes import Shape
 
 

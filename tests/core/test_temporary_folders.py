@@ -9,16 +9,16 @@ from pathlib import Path
 
 import pytest
 
-from amorsim.core import temporary_folders
-from amorsim.core.atomic_files import write_text
-from amorsim.core.temporary_folders import make_folder, own_name, remove_left, temporary_folder
+from amorsim.core.files import temporary_folders
+from amorsim.core.files.atomic_files import write_text
+from amorsim.core.files.temporary_folders import make_folder, own_name, remove_left, temporary_folder
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="processes cannot be looked up there: nothing is removed")
 
 HOLDING = """
 import sys
 from pathlib import Path
-from amorsim.core.temporary_folders import make_folder, own_name
+from amorsim.core.files.temporary_folders import make_folder, own_name
 place = Path(sys.argv[1])
 print(make_folder(place), flush=True)
 (place / own_name("room")).write_text("room")
@@ -28,7 +28,7 @@ sys.stdin.read()
 
 WRITING = """
 import os, signal, sys
-from amorsim.core.atomic_files import replacing
+from amorsim.core.files.atomic_files import replacing
 with replacing(sys.argv[1]) as new:
     new.write_text("half")
     os.kill(os.getpid(), signal.SIGKILL)

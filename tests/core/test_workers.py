@@ -11,7 +11,7 @@ import threading
 
 import pytest
 
-from amorsim.core.workers import LEAST_WORK, Workers
+from amorsim.core.execution.workers import LEAST_WORK, Workers
 
 
 def workers(threads: int) -> Workers:
@@ -98,7 +98,7 @@ def test_threads_do_not_come_along_into_a_fork() -> None:
 
 def test_a_process_with_threads_ends_by_itself() -> None:
     program = (
-        "from amorsim.core.workers import Workers\n"
+        "from amorsim.core.execution.workers import Workers\n"
         "crew = Workers(2, processors=2)\n"
         "crew.share(1000, 1000, lambda first, end: None)\n"
     )

@@ -10,7 +10,7 @@ import pytest
 from scipy.stats import binom
 
 import amorsim as am
-from amorsim.core.free_places import roomy_places
+from amorsim.core.maps.free_places import roomy_places
 from amorsim.sensors import Laser
 
 SEEDS = 100

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import amorsim as am
 from amorsim.core.errors import MapError
-from amorsim.core.same_cells import have_same_cells
+from amorsim.core.maps.same_cells import have_same_cells
 from amorsim.foreign.mobilesim import MobileSimMap
 from amorsim.foreign.stage.map import StageMap
 from tests.examples import settings

@@ -18,7 +18,7 @@ from amorsim.contracts import (
     State,
     parameter,
 )
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.noise.diffusion import Diffusion
 from amorsim.scenario.spec import NoiseElement, Scenario
 from amorsim.simulation.simulation import Simulation

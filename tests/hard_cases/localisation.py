@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Context, Estimator, RobotModel
 from amorsim.core.errors import ComponentError
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.poses import compose
 from amorsim.core.shapes import Shape
 from amorsim.drives.differential import Differential

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Context, Draws, Motion, State, View, parameter
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.poses import wrap_angle
 from amorsim.core.shapes import Shape
 from amorsim.drives.differential import Differential

@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.stats import norm
 
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.estimators.known_map import PARTS, Ends, field_from, field_of, place_of
 from amorsim.kernels.filters.beams import Mixture, Scan, beam_probability, weigh_by_beams, weigh_by_field
 

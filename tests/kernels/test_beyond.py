@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.kernels.raycast.beyond import cast_beyond
 from amorsim.kernels.raycast.rays import cast
 from tests.kernels.test_scans import random_poses, random_walls

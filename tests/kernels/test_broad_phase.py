@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from amorsim.core.execution.workers import Workers
 from amorsim.core.shapes import Shape, pack
-from amorsim.core.workers import Workers
 from amorsim.kernels.collision.body_hash import BodyHash, hash_bodies
 from amorsim.kernels.collision.broad_phase import NEAR_BODY, NEAR_WALL, Clearance, look_around, set_out
 from amorsim.kernels.collision.clearance import map_gaps

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import amorsim as am
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.kernels.grid.segment_boxes import index_segments
 from amorsim.kernels.kinematics import poses as pose_kernels
 from amorsim.kernels.raycast import rays

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from PIL import Image
 
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.kernels.grid.draft import grid_from_array
 from amorsim.kernels.grid.outlines import strips_of
 from amorsim.kernels.raycast.rays import cast

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.kernels.grid.segment_boxes import index_segments, no_segments
 from amorsim.kernels.raycast.rays import cast
 from amorsim.kernels.raycast.scans import cast_scans, sorted_beams

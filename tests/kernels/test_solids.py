@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.kernels.grid.segment_boxes import index_segments, no_segments
 from tests.kernels.test_outlines import random_cells
 from tests.kernels.test_scans import random_walls

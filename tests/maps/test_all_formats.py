@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import amorsim as am
-from amorsim.core.footprint_room import least_gaps
+from amorsim.core.maps.footprint_room import least_gaps
 from amorsim.scenario.reading.read import scenario_for_map
 from amorsim.testing import check_component
 from tests.fuzz.maps import LOADERS, MAPS

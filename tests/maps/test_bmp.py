@@ -18,7 +18,7 @@ from PIL import Image
 
 import amorsim as am
 from amorsim.core.errors import MapError
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.maps.bmp import Bitmap
 from tests.examples import settings

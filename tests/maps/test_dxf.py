@@ -11,7 +11,7 @@ import ezdxf
 import pytest
 
 from amorsim.core.errors import MapError
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.maps.dxf import Dxf
 
 # A drawing as R12 programs write it: an arc, a line and a polyline with a bulge, without header.

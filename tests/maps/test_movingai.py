@@ -13,7 +13,7 @@ from hypothesis.extra import numpy as hnp
 
 import amorsim as am
 from amorsim.core.errors import MapError
-from amorsim.core.same_cells import have_same_cells
+from amorsim.core.maps.same_cells import have_same_cells
 from amorsim.maps.movingai import MovingAI, read_problems
 from tests.examples import settings
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import amorsim.maps.wld
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.maps.wld import Wld
 
 PROJECT = Path(__file__).resolve().parents[2]

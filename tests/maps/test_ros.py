@@ -16,7 +16,7 @@ from PIL import Image
 
 import amorsim as am
 from amorsim.core.errors import MapError
-from amorsim.core.same_cells import have_same_cells
+from amorsim.core.maps.same_cells import have_same_cells
 from amorsim.maps.ros import Ros
 from tests.examples import settings
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 import amorsim as am
-from amorsim.core.same_cells import have_same_cells
+from amorsim.core.maps.same_cells import have_same_cells
 from tests.disks import small_disk
 from tests.examples import settings
 

@@ -10,7 +10,7 @@ import numpy.typing as npt
 import pytest
 
 import amorsim as am
-from amorsim.core.footprint_room import least_gaps
+from amorsim.core.maps.footprint_room import least_gaps
 from amorsim.runs.scenario_argument import read_scenario
 from amorsim.scenario.files.foreign import find_scenario_loader
 

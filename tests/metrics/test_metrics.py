@@ -13,7 +13,7 @@ import pytest
 import amorsim as am
 from amorsim.analysis import RunFiles, measure, run_nees, run_nis
 from amorsim.analysis.measuring import episode_of
-from amorsim.core.footprint_room import wall_gaps
+from amorsim.core.maps.footprint_room import wall_gaps
 from amorsim.metrics import (
     ArrivalTime,
     Clearance,

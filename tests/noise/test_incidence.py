@@ -8,7 +8,7 @@ import pytest
 import amorsim as am
 from amorsim.contracts import Aim
 from amorsim.contracts.side import Side
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.shapes import Shape
 from amorsim.sensors.incidence import PATCH
 from amorsim.simulation.world.sensor_view import GroupView

@@ -83,7 +83,7 @@ def test_steps_cut_no_corner():
 
 
 def _free_ends(world):
-    from amorsim.core.free_places import roomy_places
+    from amorsim.core.maps.free_places import roomy_places
 
     places = roomy_places(world, 400)
     return next(pair for pair in itertools.combinations(places, 2) if _are_far(*pair))

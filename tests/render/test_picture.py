@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image, ImageColor
 
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.core.patches import DROP, Patch
 from amorsim.render.marks import COLOURS

@@ -48,7 +48,7 @@ def test_a_report_replaces_a_link(run: Path, precious: Path) -> None:
 
 
 def test_plots_replace_links(run: Path, precious: Path) -> None:
-    plot_run = pytest.importorskip("amorsim.analysis.plot").plot_run
+    plot_run = pytest.importorskip("amorsim.analysis.plots.plot").plot_run
     linked(plot_run(run)[:2], precious)
     assert not [path for path in plot_run(run) if path.is_symlink()]
     assert is_untouched(precious)

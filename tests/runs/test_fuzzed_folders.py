@@ -248,7 +248,7 @@ def tried(what: Callable[[], Any]) -> str:
 def test_what_is_read_of_a_damaged_folder_ends_well_or_in_a_message(
     driven: Path, tmp_path: Path, limits: None, count: int
 ) -> None:
-    plot = pytest.importorskip("amorsim.analysis.plot")
+    plot = pytest.importorskip("amorsim.analysis.plots.plot")
     refused = again = 0
     for number in range(count):
         draw = random.Random(number)

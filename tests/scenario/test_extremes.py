@@ -96,7 +96,7 @@ def late(latency: float, *noise: am.Noise) -> am.Robot:
 
 
 def test_readings_that_wait_are_reckoned_before_they_are_made(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("amorsim.core.memory.memory_of_machine", lambda: 4_000_000_000)
+    monkeypatch.setattr("amorsim.core.execution.memory.memory_of_machine", lambda: 4_000_000_000)
     with pytest.raises(
         am.AmorsimError, match=r"this scenario would take 1.92e.03 GB of memory .*latency of 60 s wait for"
     ):

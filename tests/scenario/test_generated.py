@@ -12,7 +12,7 @@ import pytest
 
 import amorsim as am
 from amorsim.contracts import Draws, WorldGenerator
-from amorsim.core.same_cells import have_same_cells
+from amorsim.core.maps.same_cells import have_same_cells
 from amorsim.plugins.manager import make_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.documents.field_at import field_at

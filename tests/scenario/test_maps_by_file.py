@@ -10,7 +10,7 @@ import pytest
 
 from amorsim.contracts import MapLoader, parameter
 from amorsim.core.errors import MapError
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.maps.bmp import Bitmap
 from amorsim.maps.wld import Wld
 from amorsim.plugins.manager import make_registry

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from amorsim.contracts import Mount, Noise
 from amorsim.core.errors import RunError, ScenarioError
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.shapes import Shape
 from amorsim.drives.differential import Differential
 from amorsim.estimators.dead_reckoning import DeadReckoning

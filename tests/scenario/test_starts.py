@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 import amorsim as am
-from amorsim.core.footprint_room import freest_start, wall_gaps
+from amorsim.core.maps.footprint_room import freest_start, wall_gaps
 from amorsim.scenario.files.resolved import resolved_table
 from amorsim.scenario.files.write import table_text
 from amorsim.scenario.reading.read import loads
 from amorsim.scenario.reading.starts import GridStart
 from amorsim.scenario.toml.angles import parse_float
-from amorsim.simulation import placing
+from amorsim.simulation.fleet import placing
 from tests import building
 
 GRID = "grid = [1.0, 1.0], spacing = 0.25"
@@ -109,7 +109,7 @@ def crowded(count, radius=0.1, **start):
 
 
 def test_more_than_there_is_room_for_is_reported_before_a_try_is_made(monkeypatch):
-    monkeypatch.setattr("amorsim.simulation.placing._draw", None)
+    monkeypatch.setattr("amorsim.simulation.fleet.placing._draw", None)
     # 1000 circles, as polygons of 64 sides: 1000 * 32 sin(2 pi / 64) * 0.01 m2. With margins the box is 4.2 m wide.
     with pytest.raises(
         am.ScenarioError, match=r"obstacles.o000.start: the 1000 .* in the box 0.5, .* cover 31.37 m2"
@@ -236,7 +236,7 @@ def test_too_many_are_reported_clearly(read, faults):
 
 
 def test_more_than_memory_holds_are_refused_before_any_is_made(faults, monkeypatch):
-    monkeypatch.setattr("amorsim.core.memory.memory_of_machine", lambda: 1_000_000_000)
+    monkeypatch.setattr("amorsim.core.execution.memory.memory_of_machine", lambda: 1_000_000_000)
     made = []
     monkeypatch.setattr(GridStart, "pose", lambda self, number, count: made.append(number) or am.Pose(x=1.0, y=1.0))
     found = faults(SWARM.replace("count = 12", "count = 900000").replace('random = "anywhere"', GRID))
@@ -250,7 +250,7 @@ def test_more_than_memory_holds_are_refused_before_any_is_made(faults, monkeypat
 
 
 def test_more_replicas_than_memory_holds_are_refused(monkeypatch):
-    monkeypatch.setattr("amorsim.core.memory.memory_of_machine", lambda: 1_000_000_000)
+    monkeypatch.setattr("amorsim.core.execution.memory.memory_of_machine", lambda: 1_000_000_000)
     with pytest.raises(am.AmorsimError, match=r"^1000000000 replicas: they would take .* GB of memory at least, .*"):
         am.Simulation(building.scenario(), replicas=1_000_000_000)
     am.Simulation(building.scenario(), replicas=3)

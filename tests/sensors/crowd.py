@@ -13,7 +13,7 @@ import numpy as np
 import shapely
 
 import amorsim as am
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.shapes import Shape
 from amorsim.scenario.spec import Landmark, Obstacle, Pose
 from tests.building import robot, scenario

@@ -10,7 +10,7 @@ import shapely
 from shapely import affinity
 
 import amorsim as am
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.shapes import Shape
 from amorsim.scenario.spec import Landmark, Obstacle, Pose
 from amorsim.simulation.simulation import Simulation

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import amorsim as am
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.core.shapes import Shape
 from amorsim.noise import CrossTalk, Gaussian, SpecularLoss

@@ -8,7 +8,7 @@ import numpy as np
 
 import amorsim as am
 from amorsim.controllers.manual import Manual
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from tests import building
 
 __all__ = ["least_gap", "rig", "tractor", "yard"]

@@ -183,8 +183,8 @@ def test_the_counter_of_replicas_is_used_and_not_their_place() -> None:
 
 @pytest.mark.parametrize("threads", [2, 3])
 def test_threads_share_the_work_and_give_the_same_bits(threads: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("amorsim.core.workers.LEAST_WORK", 50)  # part even what would not pay
-    monkeypatch.setattr("amorsim.core.workers.cores", lambda: threads)
+    monkeypatch.setattr("amorsim.core.execution.workers.LEAST_WORK", 50)  # part even what would not pay
+    monkeypatch.setattr("amorsim.core.execution.workers.cores", lambda: threads)
     alone = run(am.Simulation(crowd(3), replicas=4), 25)
     shared = run(am.Simulation(crowd(3), replicas=4, threads=threads), 25)
     assert shared._fleet.world.workers._pool is not None

@@ -17,7 +17,7 @@ from amorsim.contracts import Draws, Drive, Motion, State, View
 from amorsim.core.shapes import Shape
 from amorsim.drives.differential import Differential
 from amorsim.simulation.contact import resolve as contact
-from amorsim.simulation.group import Group
+from amorsim.simulation.fleet.group import Group
 from tests import building
 from tests.examples import settings
 

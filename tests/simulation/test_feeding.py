@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import amorsim as am
-from amorsim.simulation.feeding import feeders, feeding_order
+from amorsim.simulation.estimation.feeding import feeders, feeding_order
 
 
 @attrs.frozen(kw_only=True)

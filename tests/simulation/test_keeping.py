@@ -10,7 +10,7 @@ import pytest
 
 import amorsim as am
 from amorsim.contracts import LazyBeliefs
-from amorsim.core import memory
+from amorsim.core.execution import memory
 from amorsim.scenario.spec import MountedSensor
 from amorsim.sensors.laser import Laser
 from tests import building

@@ -115,15 +115,15 @@ def test_a_window_knows_where_a_robot_believes_its_trailer_to_be() -> None:
 def test_a_robots_own_colour_is_the_same_in_all_pictures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("starlette")
     pytest.importorskip("matplotlib")
-    from amorsim.analysis.figures import save_figure
-    from amorsim.analysis.plot import plot_run
+    from amorsim.analysis.plots.figures import save_figure
+    from amorsim.analysis.plots.plot import plot_run
     from amorsim.ui.simulator.frames.scenes import SceneBuilder
 
     def save_the_path(figure: Any, path: Path, *, dpi: int, within: Path) -> None:
         if path.stem.endswith("-path"):
             save_figure(figure, path, dpi=dpi, within=within)
 
-    monkeypatch.setattr("amorsim.analysis.plot.save_figure", save_the_path)
+    monkeypatch.setattr("amorsim.analysis.plots.plot.save_figure", save_the_path)
 
     scenario = yard(rig(x=5.0, y=5.0, colour="red"), obstacles=[stone("post", 2.0, 8.0, 0.5)], duration=0.2)
     sim = am.Simulation(scenario)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import amorsim as am
-from amorsim.simulation.starting import drawn_starts
+from amorsim.simulation.fleet.starting import drawn_starts
 
 FLEET = """format = 1
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import amorsim as am
-from amorsim.core import workers
+from amorsim.core.execution import workers
 from amorsim.core.shapes import Shape
 from amorsim.kernels.collision import body_hash
 from tests import building

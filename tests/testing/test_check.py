@@ -39,7 +39,7 @@ from amorsim.contracts import (
     parameter,
 )
 from amorsim.core.errors import ComponentError, MapError
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.sensors.fiducial import Fiducial
 from amorsim.testing import check_component, example, variants
 from amorsim.testing.rig import Rig

@@ -15,7 +15,7 @@ import pytest
 
 import amorsim as am
 from amorsim.contracts import Controller
-from amorsim.core.same_cells import have_same_cells
+from amorsim.core.maps.same_cells import have_same_cells
 from amorsim.scenario.files.write import with_maps, write_table
 from amorsim.ui.simulator.recipe import Recipe
 from tests import building

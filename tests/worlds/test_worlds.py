@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from scipy import ndimage
 
 import amorsim as am
-from amorsim.core.footprint_room import wall_gaps
+from amorsim.core.maps.footprint_room import wall_gaps
 from amorsim.plugins.manager import make_registry
 from amorsim.worlds.cells import CellWorld
 from amorsim.worlds.made import MadeWorld, make_world

@@ -13,9 +13,9 @@ import numpy as np
 
 from amorsim.algorithms.pose_graph.graph import PoseGraph
 from amorsim.core.arguments import checked
-from amorsim.core.atomic_files import replacing
 from amorsim.core.errors import GraphError
-from amorsim.core.reading import read_text, reason
+from amorsim.core.files.atomic_files import replacing
+from amorsim.core.files.reading import read_text, reason
 
 __all__ = ["read_g2o", "write_g2o"]
 

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from PIL import Image, UnidentifiedImageError
 
 from amorsim.core.errors import MapError
-from amorsim.core.reading import read_bytes, reason
+from amorsim.core.files.reading import read_bytes, reason
 from amorsim.foreign.stage.geometry import Box, Spot
 
 __all__ = ["dark_pixels", "dark_span", "fill", "is_dark_near"]

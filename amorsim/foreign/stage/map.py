@@ -12,7 +12,7 @@ from PIL import Image
 
 from amorsim.contracts import MapLoader
 from amorsim.core.errors import MapError, ScenarioError
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import parameter
 from amorsim.foreign.stage.bitmaps import fill
 from amorsim.foreign.stage.entities import read_world

@@ -13,7 +13,7 @@ import numpy as np
 import shapely
 
 from amorsim.core.errors import MapError
-from amorsim.core.reading import is_file
+from amorsim.core.files.reading import is_file
 from amorsim.foreign.stage.bitmaps import Cells, dark_pixels, dark_span, is_dark_near
 from amorsim.foreign.stage.entities import Model, Value, World
 from amorsim.foreign.stage.geometry import (

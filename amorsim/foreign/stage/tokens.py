@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from amorsim.core.errors import Fault, ScenarioError
-from amorsim.core.reading import is_file, read_bytes, reason
+from amorsim.core.files.reading import is_file, read_bytes, reason
 from amorsim.foreign.text import decoded, is_binary
 
 __all__ = ["Place", "Token", "Tokens", "fault_at", "looks_like_stage", "read_tokens"]

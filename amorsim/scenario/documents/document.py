@@ -10,9 +10,9 @@ from typing import Any
 import attrs
 
 from amorsim.core.arguments import checked, path_of
-from amorsim.core.atomic_files import write_bytes
 from amorsim.core.errors import DocumentError, Fault, ScenarioError
-from amorsim.core.reading import is_file, no_such_file, read_bytes, reason
+from amorsim.core.files.atomic_files import write_bytes
+from amorsim.core.files.reading import is_file, no_such_file, read_bytes, reason
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.documents.assign import Setter

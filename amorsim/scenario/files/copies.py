@@ -9,9 +9,9 @@ from typing import Any
 
 import attrs
 
-from amorsim.core.atomic_files import copy_file, write_text
 from amorsim.core.errors import MapError, RunError
-from amorsim.core.map import Map
+from amorsim.core.files.atomic_files import copy_file, write_text
+from amorsim.core.maps.map import Map
 from amorsim.scenario.files.maps import MapFile, companions_of, save_map
 from amorsim.scenario.programs.local_imports import files_beside
 

@@ -9,7 +9,7 @@ from typing import Any
 from amorsim.contracts import ScenarioDocument, ScenarioLoader
 from amorsim.core.error_text import RAISED, error_in_words
 from amorsim.core.errors import Fault, PluginError, ScenarioError
-from amorsim.core.reading import check_readable
+from amorsim.core.files.reading import check_readable
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.documents.settings import Setting, parse_settings
 from amorsim.scenario.reading.faults import FaultCollector, Node, Source

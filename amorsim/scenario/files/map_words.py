@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from amorsim.core.errors import MapError
-from amorsim.core.lost_cells import Lost
-from amorsim.core.map import Map
-from amorsim.core.same_cells import have_same_cells
+from amorsim.core.maps.lost_cells import Lost
+from amorsim.core.maps.map import Map
+from amorsim.core.maps.same_cells import have_same_cells
 from amorsim.scenario.files.maps import MapFile, load_map
 from amorsim.scenario.reading.fields import write_fields
 

@@ -12,14 +12,14 @@ import attrs
 
 from amorsim.contracts import MapLoader
 from amorsim.core.arguments import checked, path_of
-from amorsim.core.atomic_files import replacing
 from amorsim.core.error_text import RAISED, error_in_words
 from amorsim.core.errors import MapError, PluginError
-from amorsim.core.lost_cells import Lost, lost_cells
-from amorsim.core.map import Map
+from amorsim.core.files.atomic_files import replacing
+from amorsim.core.files.reading import check_readable, is_file, is_folder, no_such_file, reason
+from amorsim.core.maps.lost_cells import Lost, lost_cells
+from amorsim.core.maps.map import Map
+from amorsim.core.maps.same_cells import have_same_cells
 from amorsim.core.parameters import ParameterError, describe
-from amorsim.core.reading import check_readable, is_file, is_folder, no_such_file, reason
-from amorsim.core.same_cells import have_same_cells
 from amorsim.core.unknown_names import no_such
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from amorsim.core.errors import did_you_mean
-from amorsim.core.reading import is_folder
+from amorsim.core.files.reading import is_folder
 
 __all__ = ["SCENARIO_PATH", "mistaken"]
 

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from amorsim.core.arguments import checked, path_of
-from amorsim.core.atomic_files import write_text
 from amorsim.core.errors import RunError
+from amorsim.core.files.atomic_files import write_text
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.documents.elsewhere import near

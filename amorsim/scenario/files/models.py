@@ -9,7 +9,7 @@ from typing import Any
 import attrs
 
 from amorsim.core.errors import PluginError
-from amorsim.core.reading import no_such_file, read_bytes, reason
+from amorsim.core.files.reading import no_such_file, read_bytes, reason
 from amorsim.core.unknown_names import no_such
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.reading.faults import Branch, FaultCollector, Node, Source, shown

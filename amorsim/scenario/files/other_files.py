@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from amorsim.core.errors import MapError
-from amorsim.core.reading import is_there
+from amorsim.core.files.reading import is_there
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.files.foreign import find_scenario_loader, read_foreign
 from amorsim.scenario.files.maps import find_loader

@@ -10,7 +10,7 @@ from typing import Any
 import attrs
 
 from amorsim.core.errors import Fault, PluginError, ScenarioError
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry

@@ -17,8 +17,8 @@ from typing import IO, Any
 
 from amorsim.core.arguments import check_kind
 from amorsim.core.errors import AmorsimError, Fault
+from amorsim.core.execution.processes import end_with_children, python_command
 from amorsim.core.parameters import ParameterError
-from amorsim.core.processes import end_with_children, python_command
 from amorsim.core.user_code import UserCode
 from amorsim.scenario.programs.program_text import Program
 from amorsim.scenario.programs.programs import programs_of

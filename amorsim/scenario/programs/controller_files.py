@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 from amorsim.core.error_text import RAISED, error_in_words, in_words
 from amorsim.core.errors import ControllerError, did_you_mean
-from amorsim.core.reading import no_such_file, read_bytes, reason
+from amorsim.core.files.reading import no_such_file, read_bytes, reason
 from amorsim.core.unknown_names import no_such
 from amorsim.core.user_code import go_back, present_folder
 from amorsim.scenario.programs.local_imports import files_beside, make_importable

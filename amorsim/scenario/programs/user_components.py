@@ -11,7 +11,7 @@ from amorsim.contracts import Frame, Metric, Plan, Planner, Recorder, RunInfo
 from amorsim.contracts.values import Array
 from amorsim.controllers.user import UserController
 from amorsim.core.errors import ControllerError
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.shapes import Shape
 from amorsim.core.user_code import UserCode
 from amorsim.estimators.user import UserEstimator

@@ -10,7 +10,7 @@ from typing import Any
 import attrs
 
 from amorsim.core.errors import MapError, did_you_mean
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.files.models import check_format, drop_removed, merge_models
 from amorsim.scenario.reading.alike import read_alike

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import attrs
 
 from amorsim.core.errors import Fault
-from amorsim.core.reading import read_bytes
+from amorsim.core.files.reading import read_bytes
 from amorsim.scenario.toml.layout import Layout, Path_
 from amorsim.scenario.toml.names_in_lists import index_of
 from amorsim.scenario.toml.parse import Written, line_numbers, line_of, read_written

@@ -8,7 +8,7 @@ from typing import Any
 import attrs
 
 from amorsim.core.errors import Fault
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import describe
 from amorsim.core.shapes import Shape
 from amorsim.plugins.registry import Registry

@@ -16,9 +16,9 @@ import attrs
 
 from amorsim.core.arguments import checked, path_of
 from amorsim.core.errors import Fault, ScenarioError
-from amorsim.core.map import Map
+from amorsim.core.files.reading import is_file
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import ParameterError
-from amorsim.core.reading import is_file
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.documents.overrides import overridden

@@ -13,7 +13,7 @@ from amorsim.contracts import Drive
 from amorsim.core.arguments import checked, whole
 from amorsim.core.error_text import RAISED, error_in_words
 from amorsim.core.errors import AmorsimError, PluginError
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.core.unknown_names import no_such
 from amorsim.plugins.checks import check_name

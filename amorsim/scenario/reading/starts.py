@@ -11,9 +11,9 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
-from amorsim.core.footprint_room import outside, overlap_with_others, overlap_with_walls, wall_gaps
-from amorsim.core.map import Map
-from amorsim.core.memory import too_large
+from amorsim.core.execution.memory import too_large
+from amorsim.core.maps.footprint_room import outside, overlap_with_others, overlap_with_walls, wall_gaps
+from amorsim.core.maps.map import Map
 from amorsim.core.parameters import parameter
 from amorsim.core.shapes import Shape, pack
 from amorsim.kernels.collision.footprints import body_gaps

@@ -10,8 +10,8 @@ import attrs
 import numpy as np
 
 from amorsim.core.errors import MapError, PluginError, did_you_mean
-from amorsim.core.footprint_room import freest_start, least_gaps
-from amorsim.core.map import Map
+from amorsim.core.maps.footprint_room import freest_start, least_gaps
+from amorsim.core.maps.map import Map
 from amorsim.core.numbers import is_number
 from amorsim.core.parameters import parameter
 from amorsim.core.shapes import Shape

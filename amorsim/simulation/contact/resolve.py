@@ -24,8 +24,8 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.errors import AmorsimError, ContactError
-from amorsim.core.map import Map
-from amorsim.core.workers import in_turn
+from amorsim.core.execution.workers import in_turn
+from amorsim.core.maps.map import Map
 from amorsim.kernels.collision.broad_phase import NEAR_BODY, NEAR_WALL, look_around, set_out
 from amorsim.kernels.collision.paths import OTHER, SLACK, STANDS, Paths, Scene, poses_at
 from amorsim.kernels.collision.time_of_impact import MET, WALL, Search, resolve

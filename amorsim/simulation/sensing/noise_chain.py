@@ -13,9 +13,9 @@ import numpy.typing as npt
 from amorsim.contracts import Aim, Context, Draws, Noise, NoiseStep, State
 from amorsim.core.draws import Medians, stream_key
 from amorsim.core.error_text import RAISED
+from amorsim.core.execution.workers import Workers
 from amorsim.core.noise_steps import NoiseProgram, steps_problem
 from amorsim.core.rows import stack
-from amorsim.core.workers import Workers
 from amorsim.scenario.spec import NoiseElement
 from amorsim.simulation.error_context import ErrorContext, array_problem
 

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Sightings
-from amorsim.core.workers import in_turn
+from amorsim.core.execution.workers import in_turn
 from amorsim.kernels.raycast import beyond, body_normals, bresenham, rays, scans
 from amorsim.kernels.raycast import visibility as sight
 from amorsim.simulation.world.directions import directions_of

@@ -9,7 +9,7 @@ import numpy.typing as npt
 import shapely
 
 from amorsim.core.errors import MapError
-from amorsim.core.map import Place
+from amorsim.core.maps.map import Place
 from amorsim.simulation.world.world import World
 
 __all__ = ["occupancy"]

@@ -11,8 +11,8 @@ import numpy.typing as npt
 
 from amorsim.contracts import BodyStates, Directions, Emissions, FloorPoints, Lights, Neighbours, Sightings
 from amorsim.core.errors import ComponentError
+from amorsim.core.execution.workers import Workers, in_turn
 from amorsim.core.shapes import Shape
-from amorsim.core.workers import Workers, in_turn
 from amorsim.kernels.kinematics import poses
 from amorsim.kernels.number_checks import all_indices
 from amorsim.kernels.raycast import cones

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.errors import AmorsimError
-from amorsim.core.map import Map
-from amorsim.core.memory import memory_of_machine
+from amorsim.core.execution.memory import memory_of_machine
+from amorsim.core.maps.map import Map
 from amorsim.worlds.drawn import DrawnWorld, origin_of
 from amorsim.worlds.made import MadeWorld
 

@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.core.map import Map
+from amorsim.core.execution.workers import Workers, in_turn
+from amorsim.core.maps.map import Map
 from amorsim.core.shapes import Shape, pack
-from amorsim.core.workers import Workers, in_turn
 from amorsim.kernels.collision import body_hash
 from amorsim.kernels.collision import clearance as contact_kernels
 from amorsim.kernels.collision import footprints as body_kernels

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from amorsim.core.errors import AmorsimError
 from amorsim.scenario.reading.partial import Partial
 from amorsim.scenario.spec import Robot, Scenario
-from amorsim.simulation.starting import drawn_starts
+from amorsim.simulation.fleet.starting import drawn_starts
 from amorsim.studies.preview import preview_noise, preview_square
 
 __all__ = ["noise_bars", "square_paths", "starts_by_name"]

@@ -17,8 +17,8 @@ from typing import IO, Any
 
 import attrs
 
-from amorsim.core.atomic_files import write_text
 from amorsim.core.errors import AmorsimError, RunError
+from amorsim.core.files.atomic_files import write_text
 from amorsim.ui.editor.history import History, Patch, Step
 
 __all__ = ["Journal", "JournalError", "Kept", "mark_of", "state_folder"]

@@ -9,7 +9,7 @@ import threading
 from typing import Any
 
 from amorsim.core.errors import AmorsimError
-from amorsim.core.processes import end_with_children
+from amorsim.core.execution.processes import end_with_children
 from amorsim.ui.simulator.process.pipes import python_for
 
 __all__ = ["Reader", "ReaderError"]

@@ -14,7 +14,7 @@ import numpy as np
 
 from amorsim.core.error_text import error_in_words
 from amorsim.core.errors import AmorsimError
-from amorsim.core.footprint_room import wall_gaps
+from amorsim.core.maps.footprint_room import wall_gaps
 from amorsim.core.shapes import Shape
 from amorsim.plugins.manager import default_registry
 from amorsim.scenario.documents.document import Document

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from amorsim.core.errors import AmorsimError
-from amorsim.core.reading import is_there
+from amorsim.core.files.reading import is_there
 from amorsim.ui.editor.journal import state_folder
 from amorsim.ui.editor.session import EditSession
 from amorsim.ui.editor.work import Work

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from amorsim.core.errors import AmorsimError
-from amorsim.core.reading import is_file, is_folder, is_there, reason
-from amorsim.core.temporary_folders import temporary_folder
+from amorsim.core.files.reading import is_file, is_folder, is_there, reason
+from amorsim.core.files.temporary_folders import temporary_folder
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.documents.document import Document, open_document

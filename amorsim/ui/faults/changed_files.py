@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from amorsim.core.errors import DocumentError, ScenarioError
-from amorsim.core.reading import read_bytes
+from amorsim.core.files.reading import read_bytes
 from amorsim.scenario.documents.document import open_document
 
 __all__ = ["Stamps", "change_of", "stamps_of", "stamps_of_scenario"]

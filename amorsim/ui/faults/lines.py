@@ -8,7 +8,7 @@ from typing import TypedDict
 
 from amorsim.core.error_text import explain
 from amorsim.core.errors import AmorsimError, Fault, RunError, ScenarioError
-from amorsim.core.reading import read_text
+from amorsim.core.files.reading import read_text
 from amorsim.scenario.reading.faults import shown
 
 __all__ = ["FaultLine", "FaultsError", "fault_lines", "lines_of"]

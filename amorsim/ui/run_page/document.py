@@ -8,7 +8,7 @@ import os
 from pathlib import Path
 
 from amorsim.core.arguments import checked, path_of
-from amorsim.core.atomic_files import write_text
+from amorsim.core.files.atomic_files import write_text
 from amorsim.ui.run_page.contents import contents_of
 from amorsim.ui.run_page.single_file import single_file
 from amorsim.ui.simulator.sources.recording import Recording

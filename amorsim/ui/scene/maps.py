@@ -8,7 +8,7 @@ import math
 import numpy as np
 from PIL import Image as Pictures
 
-from amorsim.core.map import Map
+from amorsim.core.maps.map import Map
 from amorsim.ui.scene.wire import MapShape
 
 __all__ = ["MapShapes"]

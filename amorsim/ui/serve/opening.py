@@ -10,7 +10,7 @@ import webbrowser
 from pathlib import Path
 
 from amorsim.core.errors import AmorsimError
-from amorsim.core.temporary_folders import make_folder
+from amorsim.core.files.temporary_folders import make_folder
 
 __all__ = ["OpeningPage"]
 

@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from amorsim.core.errors import AmorsimError
-from amorsim.core.reading import is_there
+from amorsim.core.files.reading import is_there
 from amorsim.simulation.simulation import Simulation
-from amorsim.simulation.snapshot import Snapshot
+from amorsim.simulation.state.snapshot import Snapshot
 from amorsim.ui.simulator.frames.messages import check
 from amorsim.ui.simulator.frames.packing import Bundle, FrameFlag, pack_bundle
 from amorsim.ui.simulator.frames.scenes import SceneBuilder

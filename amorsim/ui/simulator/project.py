@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from amorsim.core.errors import AmorsimError
-from amorsim.core.reading import is_there
+from amorsim.core.files.reading import is_there
 from amorsim.runs.folder import new_folder, next_folder
 from amorsim.ui.simulator.process.pipes import python_for
 from amorsim.ui.simulator.recipe import Recipe

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import attrs
 
-from amorsim.core.atomic_files import copy_file
 from amorsim.core.errors import DocumentError, RunError, ScenarioError
+from amorsim.core.files.atomic_files import copy_file
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.documents.changed_robots import robot_of, set_robots

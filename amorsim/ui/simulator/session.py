@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any, Self
 
 from amorsim.core.errors import AmorsimError, did_you_mean
-from amorsim.core.reading import is_file, is_there
-from amorsim.core.temporary_folders import temporary_folder
+from amorsim.core.files.reading import is_file, is_there
+from amorsim.core.files.temporary_folders import temporary_folder
 from amorsim.ui.scene.wire import Scene
 from amorsim.ui.simulator.child_supervisor import ChildSupervisor
 from amorsim.ui.simulator.controls import Controls

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from amorsim.core.errors import AmorsimError
-from amorsim.core.reading import is_file
+from amorsim.core.files.reading import is_file
 from amorsim.runs.folder import next_folder
 from amorsim.ui.faults.lines import FaultLine, FaultsError
 from amorsim.ui.serve.launch_url import LaunchUrl

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from amorsim.core.processes import python_command
+from amorsim.core.execution.processes import python_command
 from amorsim.ui.editor.changes import apply
 from amorsim.ui.editor.work import Work
 

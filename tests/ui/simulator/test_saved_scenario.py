@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import amorsim as am
-from amorsim.core.same_cells import have_same_cells
+from amorsim.core.maps.same_cells import have_same_cells
 from amorsim.ui.simulator.saved_scenario import save_scenario
 
 AUTHORED = """\

@@ -1,4 +1,4 @@
-"""The window's scripts against what they must agree with: the frames that Python packs, geometry, bounds of memory."""
+"""The window's scripts against what they must agree with: the frames that Python packs, and clicks on what is drawn."""
 
 from __future__ import annotations
 
@@ -114,103 +114,6 @@ def test_a_frame_is_read_as_python_reads_it(window: Window, robots: int, obstacl
         np.testing.assert_array_equal(flat(true), meant.selected.true[part])
         np.testing.assert_array_equal(flat(measured), meant.selected.measured[part])
         assert age == meant.selected.age[s]
-
-
-def test_what_is_no_frame_is_refused(window: Window) -> None:
-    said = window.page.evaluate(
-        """async () => {
-            const { readFrame } = await import("/amorsim/web/simulator/protocol.js");
-            return [new ArrayBuffer(4), new ArrayBuffer(200)].map((data) => {
-                try { readFrame(data, null); return "read"; } catch (problem) { return problem.message; }
-            });
-        }"""
-    )
-    assert said == ["these are not a frame's bytes"] * 2
-
-
-def test_the_point_under_the_pointer_stays_there_when_zooming(window: Window) -> None:
-    apart = window.page.evaluate(
-        """async () => {
-            const { Camera } = await import("/amorsim/web/shared/camera.js");
-            const camera = new Camera();
-            camera.resize(500, 400);
-            camera.fit([-3, 2, 9, 11]);
-            const before = camera.toWorld(123, 77);
-            const there = camera.toScreen(...before);
-            camera.zoom(3.7, 123, 77);
-            const after = camera.toWorld(123, 77);
-            camera.pan(40, -25);
-            const panned = camera.toScreen(...after);
-            const corners = [camera.toScreen(-3, 2), camera.toScreen(9, 11)];
-            camera.fit([-3, 2, 9, 11]);
-            const seen = camera.bounds();
-            return { there, moved: [after[0] - before[0], after[1] - before[1]], panned, seen };
-        }"""
-    )
-    assert apart["there"] == pytest.approx([123, 77])
-    assert apart["moved"] == pytest.approx([0, 0], abs=1e-12)
-    assert apart["panned"] == pytest.approx([163, 52])
-    x0, y0, x1, y1 = apart["seen"]
-    assert x0 <= -3
-    assert y0 <= 2
-    assert x1 >= 9
-    assert y1 >= 11
-
-
-def test_trails_and_series_stay_within_bounds_and_keep_both_ends(window: Window) -> None:
-    kept = window.page.evaluate(
-        """async () => {
-            const { Trail } = await import("/amorsim/web/simulator/trail.js");
-            const { Series } = await import("/amorsim/web/shared/series.js");
-            const [trail, series] = [new Trail(), new Series(["true", "measured"])];
-            for (let tick = 0; tick < 40000; tick++) {
-                trail.add(tick, tick * 0.01, 0);
-                series.add(tick * 0.1, [tick, undefined]);
-            }
-            const whole = [trail.count, trail.points[0][0], trail.points.at(-1)[0]];
-            const times = [series.times.length, series.times[0], series.times.at(-1)];
-            trail.add(20000, 200, 0);  // back in time: what came after is dropped
-            series.add(2000, [1, 2]);
-            const cut = [trail.points.at(-1)[0], series.times.at(-1), series.values[0].length === series.times.length];
-            return { whole, times, cut };
-        }"""
-    )
-    count, first, last = kept["whole"]
-    assert 2000 < count <= 6000
-    assert (first, last) == (0, 39999)
-    count, begin, end = kept["times"]
-    assert 2000 < count <= 9001
-    assert (begin, end) == (0, pytest.approx(3999.9))
-    assert kept["cut"] == [20000, 2000, True]
-
-
-def test_differences_of_angles_go_the_short_way_round(window: Window) -> None:
-    row = window.page.evaluate(
-        """async () => {
-            const { quantitiesOf } = await import("/amorsim/web/simulator/quantities.js");
-            const robot = { twist: [1, 0, 1], joints: [], sensors: [] };
-            const heading = quantitiesOf(robot).find((one) => one.key === "heading");
-            const frame = { truePoses: [0, 0, 3.1], estimatedPoses: [0, 0, -3.1], sensors: [] };
-            return heading.of(frame, 0);
-        }"""
-    )
-    assert row[0] == pytest.approx(math.degrees(3.1))
-    assert math.isnan(row[1])
-    assert row[3] == pytest.approx(math.degrees(2 * math.pi - 6.2))  # not -355 degrees
-
-
-def test_a_robot_for_the_table_is_shown_to_a_tenth_of_a_millimetre(window: Window) -> None:
-    decimals = window.page.evaluate(
-        """async () => {
-            const { quantitiesOf } = await import("/amorsim/web/simulator/quantities.js");
-            const of = (reach) => quantitiesOf({ reach, twist: [1, 1, 1], joints: [], sensors: [] });
-            return [0.03, 0.3].map((reach) => of(reach).map(({ key, decimals }) => [key, decimals]));
-        }"""
-    )
-    small, large = (dict(one) for one in decimals)
-    lengths = {"x", "y", "apart", "forward", "left"}
-    assert {key for key in small if small[key] != large[key]} == lengths
-    assert {small[key] for key in lengths} == {4}
 
 
 def sensor(**more: Any) -> dict[str, Any]:

@@ -9,9 +9,9 @@ from typing import Any
 
 import attrs
 
-from amorsim.core.atomic_files import write_bytes
 from amorsim.core.errors import AmorsimError
-from amorsim.core.reading import is_there, read_bytes, reason
+from amorsim.core.files.atomic_files import write_bytes
+from amorsim.core.files.reading import is_there, read_bytes, reason
 from amorsim.scenario.programs.local_imports import files_beside
 from amorsim.ui.editor.inspectors.walls import EMPTY_WORLD
 from amorsim.ui.editor.journal import mark_of

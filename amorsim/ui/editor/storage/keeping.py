@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from amorsim.core.errors import AmorsimError, MapError
-from amorsim.core.map import Map
-from amorsim.core.reading import is_there
-from amorsim.core.temporary_folders import temporary_folder
+from amorsim.core.files.reading import is_there
+from amorsim.core.files.temporary_folders import temporary_folder
+from amorsim.core.maps.map import Map
 from amorsim.plugins.registry import Registry
 from amorsim.render.picture import draw_map
 from amorsim.scenario.files.map_words import lost_in_words, needed_options

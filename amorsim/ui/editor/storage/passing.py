@@ -7,7 +7,7 @@ import tempfile
 from pathlib import Path
 
 from amorsim.core.errors import AmorsimError
-from amorsim.core.temporary_folders import make_folder, remove_left
+from amorsim.core.files.temporary_folders import make_folder, remove_left
 
 __all__ = ["PassingFolder"]
 

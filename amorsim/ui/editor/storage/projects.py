@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from amorsim.core.errors import AmorsimError
+from amorsim.core.files.temporary_folders import temporary_folder
 from amorsim.core.numbers import is_number
-from amorsim.core.temporary_folders import temporary_folder
 from amorsim.plugins.manager import default_registry
 from amorsim.ui.editor.reader import Reader
 from amorsim.ui.editor.storage.differing import differing_lines

@@ -6,9 +6,9 @@ import contextlib
 import json
 from pathlib import Path
 
-from amorsim.core.atomic_files import write_text
-from amorsim.core.json_files import parse_json
-from amorsim.core.reading import read_bytes
+from amorsim.core.files.atomic_files import write_text
+from amorsim.core.files.json_files import parse_json
+from amorsim.core.files.reading import read_bytes
 
 __all__ = ["recent_files", "remember"]
 

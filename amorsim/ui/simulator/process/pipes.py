@@ -9,7 +9,7 @@ import threading
 from collections.abc import Mapping
 from typing import IO, Any
 
-from amorsim.core.processes import python_command
+from amorsim.core.execution.processes import python_command
 
 __all__ = ["FRAME", "JSON", "SNAPSHOT", "Writer", "python_for", "read_message"]
 

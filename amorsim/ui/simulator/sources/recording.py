@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.errors import RunError
-from amorsim.core.json_files import parse_json
+from amorsim.core.files.json_files import parse_json
 from amorsim.core.rows import stack
 from amorsim.core.unknown_names import no_such
 from amorsim.runs.manifest import read_about

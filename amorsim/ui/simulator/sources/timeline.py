@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from amorsim.core.errors import SnapshotError
 from amorsim.simulation.simulation import Simulation
-from amorsim.simulation.snapshot import Snapshot
+from amorsim.simulation.state.snapshot import Snapshot
 
 __all__ = ["MOST_BYTES_OF_SNAPSHOTS", "Paths", "Snapshots"]
 

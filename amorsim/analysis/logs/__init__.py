@@ -1,0 +1,1 @@
+"""Logs of real robots and of other programs: read, written, and replayed through estimators."""

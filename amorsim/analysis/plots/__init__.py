@@ -1,0 +1,1 @@
+"""Pictures of runs, studies and comparisons, by Matplotlib."""

@@ -1,0 +1,1 @@
+"""Threads, processes, memory, and how work is shown and interrupted."""

@@ -1,0 +1,1 @@
+"""The robots and obstacles of a simulation, in groups of those alike."""

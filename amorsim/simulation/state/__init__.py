@@ -1,0 +1,1 @@
+"""The state of a simulation: read, restored, begun again, changed."""
