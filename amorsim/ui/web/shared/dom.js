@@ -1,12 +1,17 @@
 // Small helpers for elements and numbers; everything in the window is plain DOM.
 
-/** An element: `h("button", {class: "quiet", onclick: f, "aria-label": "run"}, "text", child, …)`. */
+/** An element: `h("button", {class: "quiet", onclick: f, "aria-label": "run"}, "text", child, …)`.
+ * @template {keyof HTMLElementTagNameMap} K
+ * @param {K} tag
+ * @param {Record<string, any>} [attributes]
+ * @param {any[]} children
+ * @returns {HTMLElementTagNameMap[K]} */
 export function h(tag, attributes = {}, ...children) {
   const element = document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) {
     if (value === undefined || value === null || value === false) continue;
     if (name.startsWith("on")) element.addEventListener(name.slice(2), value);
-    else if (name === "value" || name === "checked" || name === "disabled") element[name] = value;
+    else if (name === "value" || name === "checked" || name === "disabled") Reflect.set(element, name, value);
     else element.setAttribute(name, value === true ? "" : value);
   }
   element.append(...children.flat().filter((child) => child !== null && child !== undefined));
