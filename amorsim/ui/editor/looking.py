@@ -14,6 +14,7 @@ from amorsim.core.errors import Fault
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.documents.document import Document
 from amorsim.scenario.reading.partial import Partial
+from amorsim.ui.editor.inspectors.fault_component import component_of
 from amorsim.ui.editor.inspectors.things import Thing, things_of
 from amorsim.ui.faults.lines import FaultLine, fault_lines
 from amorsim.ui.scene.still import StillBuilder
@@ -25,9 +26,10 @@ CODE_LIMIT = 5.0  # [s] that a user's program may take to be loaded and made
 
 
 class FaultAt(FaultLine):
-    """A fault, and the path of the value that it is about, with numbers in place of names."""
+    """A fault, the path of the value that it is about, with numbers in place of names, and the component it is in."""
 
     at: str
+    component: tuple[str, str] | None  # kind and name
 
 
 @attrs.frozen(kw_only=True)
@@ -42,7 +44,8 @@ class Looked:
     def failed(cls, name: str, problem: str) -> Looked:
         """The view of a document that cannot be read: one fault."""
         fault = Fault(file=name, path="", message=f"cannot be read: {problem}")
-        return cls(faults=[{**line, "at": ""} for line in fault_lines([fault])], things=[], still=None)
+        lines: list[FaultAt] = [{**line, "at": "", "component": None} for line in fault_lines([fault])]
+        return cls(faults=lines, things=[], still=None)
 
 
 @attrs.frozen(kw_only=True)
@@ -72,7 +75,7 @@ def look(document: Document, text: str, name: str, folder: Path, registry: Regis
         partial = document.partial()
         builder = StillBuilder(partial, name)
         looked = Looked(
-            faults=placed(partial.faults, document, text, name, folder),
+            faults=placed(partial.faults, document, text, name, folder, registry),
             things=things_of(document, partial, registry),
             still=builder.still,
         )
@@ -82,11 +85,16 @@ def look(document: Document, text: str, name: str, folder: Path, registry: Regis
         return Seen(looked=Looked.failed(name, error_in_words(error)))
 
 
-def placed(faults: Sequence[Fault], document: Document, text: str, name: str, folder: Path) -> list[FaultAt]:
-    """Faults in the words of the user's own files, with their lines in the text and the paths that they are about."""
+def placed(
+    faults: Sequence[Fault], document: Document, text: str, name: str, folder: Path, registry: Registry
+) -> list[FaultAt]:
+    """Faults in the words of the user's own files, with their lines in the text and what they are about."""
     worded = [_worded(fault, document, name, folder) for fault in faults]
     lines = fault_lines(worded, {name: text})
-    return [{**line, "at": fault.path} for line, fault in zip(lines, worded, strict=True)]
+    return [
+        {**line, "at": fault.path, "component": component_of(document, fault.path, registry)}
+        for line, fault in zip(lines, worded, strict=True)
+    ]
 
 
 def _worded(fault: Fault, document: Document, name: str, folder: Path) -> Fault:

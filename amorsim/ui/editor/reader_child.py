@@ -87,7 +87,8 @@ class _Functions:
         document = Document(text, path, registry=self._registry)
         if document.faults():
             return []
-        return placed(check_code(document.scenario(), time_limit=CODE_LIMIT), document, shown, name, folder)
+        faults = check_code(document.scenario(), time_limit=CODE_LIMIT)
+        return placed(faults, document, shown, name, folder, self._registry)
 
     def write_world(self, target: Path, is_trial: bool, force: bool) -> Any:
         """Write the world that was read last in another format, or try what would be lost."""

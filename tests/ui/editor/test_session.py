@@ -121,6 +121,7 @@ def test_what_is_drawn_and_said_is_that_of_the_present_text(tmp_path: Path) -> N
         assert seen["still"]["robots"][0][:2] == [2.5, 4.5]
         (fault,) = seen["faults"]
         assert fault["at"] == "robots.1.controller.speeed"
+        assert tuple(fault["component"]) == ("controller", "wander")
         assert fault["said"].startswith("controller") or "speeed" in fault["said"]
         assert str(tmp_path) not in fault["message"]
         things = {thing["name"]: thing for thing in seen["things"]}

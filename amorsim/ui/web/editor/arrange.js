@@ -12,7 +12,7 @@ const MOST = 500; // copies
 /** Ask for the rows, and make the copies as one step.
  * @param {import("./editor.js").EditorPage} page */
 export function askArray(page) {
-  const number = (label, value, unit = "") => {
+  const number = (/** @type {string} */ label, /** @type {number} */ value, unit = "") => {
     const input = h("input", { type: "text", inputmode: "decimal", autocomplete: "off", value: String(value) });
     return { input, row: h("label", { class: "asked" }, h("span", {}, label), input, h("span", { class: "unit" }, unit)) };
   };
@@ -39,7 +39,11 @@ export function askArray(page) {
 }
 
 /** Copies of what is selected, in columns and rows with distances [m].
- * @param {import("./editor.js").EditorPage} page */
+ * @param {import("./editor.js").EditorPage} page
+ * @param {number} columns
+ * @param {number} right
+ * @param {number} rows
+ * @param {number} up */
 export async function array(page, columns, right, rows, up) {
   const clip = await copyOf(page);
   if (!clip) return { ok: false, error: "Nothing is selected." };

@@ -18,7 +18,7 @@ export async function copyOf(page) {
     page.hint(said.error);
     return null;
   }
-  const things = said.tables.map((table, n) => ({ list: paths[n].split(".")[0], table, thing: stage.things.find(({ path }) => path === paths[n]) }));
+  const things = said.tables.map((/** @type {any} */ table, /** @type {number} */ n) => ({ list: paths[n].split(".")[0], table, thing: stage.things.find(({ path }) => path === paths[n]) }));
   const count = walls.length + things.length;
   return count ? { walls, things, count, folder: said.folder } : null;
 }
@@ -45,7 +45,9 @@ export function lastCopy() {
 
 /** Shift the points of a table that lie at a path: where many start, or the way that a thing moves.
  * @param {any} table
- * @param {string[]} path */
+ * @param {string[]} path
+ * @param {number} dx
+ * @param {number} dy */
 function shift(table, path, dx, dy) {
   const holder = path.slice(0, -1).reduce((inner, key) => inner?.[key], table);
   const key = path[path.length - 1];
@@ -88,7 +90,7 @@ export function pasted(names, clip, [dx, dy]) {
 }
 
 /** How far just aside is [m]. */
-const aside = (page) => {
+const aside = (/** @type {import("./editor.js").EditorPage} */ page) => {
   const step = 2 * (page.grid || 0.1);
   return [step, -step];
 };
@@ -102,7 +104,8 @@ const TRIES = 12; // distances that are tried in each direction
 function free(page, clip, points) {
   const { stage } = page;
   const step = page.grid || 0.1;
-  const bodies = clip.things.flatMap(({ thing }) => (thing?.pose && thing.footprint ? [{ at: thing.pose, far: reach(thing.footprint) }] : []));
+  /** @type {{at: number[], far: number}[]} */
+  const bodies = clip.things.flatMap((/** @type {{thing: import("./stage.js").Thing | undefined}} */ { thing }) => (thing?.pose && thing.footprint ? [{ at: thing.pose, far: reach(thing.footprint) }] : []));
   const others = stage.things.flatMap((thing) => (thing.pose && thing.footprint ? [{ at: thing.pose, far: reach(thing.footprint) }] : []));
   /** @param {number[]} by */
   const isFree = ([dx, dy]) => bodies.every(({ at: [x, y], far }) => {
@@ -122,15 +125,18 @@ function free(page, clip, points) {
 }
 
 /** The points of what was copied: ends of walls, places of things. */
-const pointsOf = (clip) => [
-  ...clip.walls.flatMap(([a, b, c, d]) => [[a, b], [c, d]]),
-  ...clip.things.flatMap(({ thing }) => (thing?.pose ? [thing.pose] : thing ? startsOf(thing).flatMap(({ points: own }) => own) : [])),
+const pointsOf = (/** @type {any} */ clip) => [
+  ...clip.walls.flatMap((/** @type {number[]} */ [a, b, c, d]) => [[a, b], [c, d]]),
+  ...clip.things.flatMap((/** @type {{thing: import("./stage.js").Thing | undefined}} */ { thing }) => (thing?.pose ? [thing.pose] : thing ? startsOf(thing).flatMap(({ points: own }) => own) : [])),
 ];
 
 /** The middle of some points. */
-const middleOf = (points) => [0, 1].map((k) => (Math.min(...points.map((point) => point[k])) + Math.max(...points.map((point) => point[k]))) / 2);
+const middleOf = (/** @type {number[][]} */ points) => [0, 1].map((k) => (Math.min(...points.map((point) => point[k])) + Math.max(...points.map((point) => point[k]))) / 2);
 
-/** By how much copies are shifted [m] so that their middle comes to a place, by steps of the grid. */
+/** By how much copies are shifted [m] so that their middle comes to a place, by steps of the grid.
+ * @param {import("./editor.js").EditorPage} page
+ * @param {any} clip
+ * @param {{x: number, y: number}} at */
 function shiftTo(page, clip, at) {
   const points = pointsOf(clip);
   if (!points.length) return undefined;
@@ -180,7 +186,7 @@ export async function remove(page) {
   const changes = [];
   const paths = stage.selection.things.flatMap((one) => /** @type {import("./stage.js").Chosen} */ (one).path ?? []).filter((path) => path.includes("."));
   // The last of a list first, for those after it move up.
-  const last = (path) => Number(path.split(".")[1]);
+  const last = (/** @type {string} */ path) => Number(path.split(".")[1]);
   for (const path of paths.sort((a, b) => last(b) - last(a))) changes.push({ op: "remove", path });
   if (stage.chosenWalls.length && page.wallsFixed) page.hint(page.wallsFixed);
   else if (stage.chosenWalls.length) changes.push({ op: "walls", remove: stage.chosenWalls });

@@ -57,7 +57,7 @@ export function newController(page, path) {
 }
 
 /** Faults of a file at its lines. */
-const faultsIn = (page, file) => page.faults.flatMap(({ message }) => {
+const faultsIn = (/** @type {import("./editor.js").EditorPage} */ page, /** @type {string} */ file) => page.faults.flatMap(({ message }) => {
   const [, line] = message.match(new RegExp(`${file.replace(/[.*+?^${}()|[\]\\]/g, "\\$&")}[\\s\\S]{0,200}?line (\\d+)`)) ?? [];
   return message.includes(file) ? [{ line: line ? Number(line) : 1, message }] : [];
 });
@@ -87,7 +87,7 @@ export async function showCode(page, file) {
     const where = editor.value() !== written ? "changed" : isSaved ? "saved" : written === tried ? "kept; save the scenario to write this file" : "kept; Ctrl + S saves it and tries it";
     say(state, page.state.is_checking ? "it is being tried" : faults.length ? `${where}; it has faults` : where);
   };
-  const send = async (command) => {
+  const send = async (/** @type {string} */ command) => {
     typed.drop();
     const text = editor.value();
     if (page.watching || (command === "write_code" && text === written)) return;

@@ -51,11 +51,13 @@ function looks({ EditorView, HighlightStyle, syntaxHighlighting, tags }) {
  * @param {any} code */
 function faultLines({ Decoration, EditorView, StateEffect, StateField, WidgetType }) {
   class Words extends WidgetType {
+    /** @param {string} words */
     constructor(words) {
       super();
       this.words = words;
     }
 
+    /** @param {any} other */
     eq(other) {
       return other.words === this.words;
     }
@@ -67,10 +69,10 @@ function faultLines({ Decoration, EditorView, StateEffect, StateField, WidgetTyp
   const change = StateEffect.define();
   const field = StateField.define({
     create: () => Decoration.none,
-    update: (marks, transaction) => transaction.effects.reduce((now, effect) => (effect.is(change) ? effect.value : now), marks.map(transaction.changes)),
-    provide: (one) => EditorView.decorations.from(one),
+    update: (/** @type {any} */ marks, /** @type {any} */ transaction) => transaction.effects.reduce((/** @type {any} */ now, /** @type {any} */ effect) => (effect.is(change) ? effect.value : now), marks.map(transaction.changes)),
+    provide: (/** @type {any} */ one) => EditorView.decorations.from(one),
   });
-  return { field, show: (doc, faults) => change.of(Decoration.set(faults.filter(({ line }) => line <= doc.lines).flatMap(({ line, message }) => {
+  return { field, show: (/** @type {any} */ doc, /** @type {{line: number, message: string}[]} */ faults) => change.of(Decoration.set(faults.filter(({ line }) => line <= doc.lines).flatMap(({ line, message }) => {
     const { from, to } = doc.line(line);
     return [Decoration.line({ class: "code-fault" }).range(from), Decoration.widget({ widget: new Words(message), block: true, side: 1 }).range(to)];
   }), true)) };
@@ -82,7 +84,7 @@ function faultLines({ Decoration, EditorView, StateEffect, StateField, WidgetTyp
 const completing = ({ autocompletion }, choices) => autocompletion({
   icons: false,
   interactionDelay: 0,
-  override: [async ({ state, pos, explicit }) => {
+  override: [async (/** @type {any} */ { state, pos, explicit }) => {
     const line = state.doc.lineAt(pos);
     const before = line.text.slice(0, pos - line.from);
     if (!explicit && !/[\w"]$/.test(before)) return null;
@@ -99,8 +101,8 @@ export async function dress(area, mode, choices = null) {
   const code = await codeMirror();
   if (!code || !area.isConnected) {
     return {
-      value: () => area.value, put: (text) => (area.value = text), mark: () => {}, focus: () => area.focus(), end: () => {},
-      changed: (does) => area.addEventListener("input", does), left: (does) => area.addEventListener("blur", does),
+      value: () => area.value, put: (/** @type {string} */ text) => (area.value = text), mark: () => {}, focus: () => area.focus(), end: () => {},
+      changed: (/** @type {() => void} */ does) => area.addEventListener("input", does), left: (/** @type {() => void} */ does) => area.addEventListener("blur", does),
     };
   }
   const { acceptCompletion, bracketMatching, defaultKeymap, EditorState, EditorView, history, historyKeymap, indentUnit, indentWithTab, keymap, lineNumbers } = code;
@@ -119,13 +121,13 @@ export async function dress(area, mode, choices = null) {
       EditorView.contentAttributes.of({ "aria-label": area.getAttribute("aria-label") ?? "", tabindex: "0" }),
       keymap.of([
         { key: "Tab", run: acceptCompletion }, indentWithTab,
-        { key: "Escape", run: (one) => {
+        { key: "Escape", run: (/** @type {any} */ one) => {
           one.contentDOM.blur();
           return true;
         } },
         ...historyKeymap, ...defaultKeymap,
       ]),
-      EditorView.updateListener.of((update) => {
+      EditorView.updateListener.of((/** @type {any} */ update) => {
         if (update.docChanged) area.value = view.state.doc.toString();
         if (update.docChanged) for (const does of changed) does();
         if (update.focusChanged && !view.hasFocus) for (const does of left) does();
@@ -134,10 +136,10 @@ export async function dress(area, mode, choices = null) {
   });
   return {
     value: () => view.state.doc.toString(),
-    put: (text) => view.dispatch({ changes: { from: 0, to: view.state.doc.length, insert: text } }),
-    mark: (found) => view.dispatch({ effects: faults.show(view.state.doc, found) }),
-    changed: (does) => changed.push(does),
-    left: (does) => left.push(does),
+    put: (/** @type {string} */ text) => view.dispatch({ changes: { from: 0, to: view.state.doc.length, insert: text } }),
+    mark: (/** @type {{line: number, message: string}[]} */ found) => view.dispatch({ effects: faults.show(view.state.doc, found) }),
+    changed: (/** @type {() => void} */ does) => changed.push(does),
+    left: (/** @type {() => void} */ does) => left.push(does),
     focus: () => view.focus(),
     end: () => view.destroy(),
   };

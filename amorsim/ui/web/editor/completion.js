@@ -28,10 +28,11 @@ export async function choicesAt(page, lines, line, before) {
     said = await page.connection.ask({ do: "inspect", path: `${first}.0` });
   }
   if (!said.ok) return null;
-  const section = said.sections.find((one) => one.path === path);
-  const own = said.sections.flatMap(({ fields }) => fields).filter((field) => field.path.startsWith(`${path}.`) && !field.path.slice(path.length + 1).includes("."));
+  const sections = /** @type {any[]} */ (said.sections);
+  const section = sections.find((/** @type {any} */ one) => one.path === path);
+  const own = /** @type {import("../simulator/wire.js").FieldForm[]} */ (sections.flatMap(({ fields }) => fields)).filter((field) => field.path.startsWith(`${path}.`) && !field.path.slice(path.length + 1).includes("."));
   if (key) {
-    const inside = said.sections.filter((one) => one.path.startsWith(`${path}.`) && !one.path.slice(path.length + 1).includes("."));
+    const inside = sections.filter((one) => one.path.startsWith(`${path}.`) && !one.path.slice(path.length + 1).includes("."));
     const choices = [
       ...(section?.use ? [{ text: "use", help: `the kind of ${section.use.kind}` }] : []),
       ...own.map((field) => ({ text: field.path.slice(path.length + 1), help: [field.help, unitOf(field)].filter(Boolean).join(" · ") })),
@@ -42,10 +43,10 @@ export async function choicesAt(page, lines, line, before) {
   }
   if (!value) return null;
   const values = value[1] === "use" ? section?.use?.choices : valuesOf(own.find((field) => field.path === `${path}.${value[1]}`)?.widget);
-  return values ? { from: before.length - value[2].length, choices: values.map((one) => ({ text: `"${one}"`, help: "" })) } : null;
+  return values ? { from: before.length - value[2].length, choices: values.map((/** @type {string} */ one) => ({ text: `"${one}"`, help: "" })) } : null;
 }
 
-const unitOf = ({ widget }) => (widget?.unit ? `[${widget.unit}]` : "");
+const unitOf = (/** @type {import("../simulator/wire.js").FieldForm} */ { widget }) => (widget?.unit ? `[${widget.unit}]` : "");
 
 /** The values that a form offers.
  * @param {any} widget

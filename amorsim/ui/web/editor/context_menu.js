@@ -1,6 +1,6 @@
 // The menu of what lies under the pointer: the secondary button, a long press, or the menu key.
 
-import { h } from "../shared/dom.js";
+import { h, there } from "../shared/dom.js";
 import { showAdding } from "./adding.js";
 import { askArray, mirror } from "./arrange.js";
 import { askNumbers } from "./ask_numbers.js";
@@ -21,12 +21,14 @@ function itemsAt(page, place) {
     { words: "see all", keys: "0", does: () => stage.fit() },
   ];
   if (page.watching) return [view];
+  /** @type {Item[]} */
   const here = [{ words: "add here …", does: () => showAdding(page, place) }];
   if (lastCopy() ?? page.clip) here.push({ words: "paste here", keys: "Ctrl + V", does: () => paste(page, place) });
   if (!some) return [here, view];
-  const own = [{ words: "its values", does: () => page.inspector.element.querySelector("input, select, button, textarea")?.focus() }];
+  /** @type {Item[]} */
+  const own = [{ words: "its values", does: () => /** @type {HTMLElement | null} */ (page.inspector.element.querySelector("input, select, button, textarea"))?.focus() }];
   const sized = stage.grips().find(({ asks, shape }) => asks && shape === "round");
-  if (sized && stage.chosenThings.length === 1) own.push({ words: "size …", keys: "double click on a grip", does: () => askNumbers(page, sized.asks) });
+  if (sized && stage.chosenThings.length === 1) own.push({ words: "size …", keys: "double click on a grip", does: () => askNumbers(page, there(sized.asks)) });
   own.push({ words: "turn …", keys: "[ ]", does: () => askTurn(page) });
   const walls = stage.chosenWalls.length && !page.wallsFixed
     ? [{ words: "split", does: () => splitWalls(page) }, { words: "offset …", does: () => askOffset(page) }]
@@ -55,6 +57,7 @@ export function openMenu(page, event) {
   const found = page.stage.at(place);
   if (found && !selection.has(found.kind, found.key)) selection.set([found]);
   else if (!found && !isByKey) selection.clear();
+  /** @type {HTMLElement[]} */
   const buttons = [];
   const groups = itemsAt(page, place).map((items) =>
     h("div", { role: "group" }, items.map(({ words, keys, does }) => {
@@ -75,11 +78,13 @@ export function openMenu(page, event) {
     menu.remove();
     globalThis.removeEventListener("pointerdown", outside, true);
   };
-  const outside = (down) => !menu.contains(down.target) && close();
+  const outside = (/** @type {Event} */ down) => !menu.contains(/** @type {Node} */ (down.target)) && close();
   globalThis.addEventListener("pointerdown", outside, true);
   menu.addEventListener("keydown", (pressed) => {
-    const at = buttons.indexOf(document.activeElement);
-    const to = { ArrowDown: at + 1, ArrowUp: at - 1, Home: 0, End: buttons.length - 1 }[pressed.key];
+    const at = buttons.indexOf(/** @type {HTMLElement} */ (document.activeElement));
+    /** @type {Record<string, number | undefined>} */
+    const places = { ArrowDown: at + 1, ArrowUp: at - 1, Home: 0, End: buttons.length - 1 };
+    const to = places[pressed.key];
     if (to !== undefined) buttons[(to + buttons.length) % buttons.length].focus();
     else if (pressed.key === "Escape" || pressed.key === "Tab") {
       close();

@@ -6,6 +6,9 @@ import { round, wordsOf } from "./geometry.js";
 /** Of an event that is none: no key is held. */
 export const FREE = { altKey: false, shiftKey: false };
 
+/** A point that is given, and what it snapped to. @typedef {{x: number, y: number, kind?: string}} Mark */
+/** The keys that are held while the pointer moves. @typedef {{altKey: boolean, shiftKey: boolean}} Held */
+
 /** What all drawing tools do: show where the pointer snaps to. */
 export class DrawTool extends Tool {
   /** @param {import("./editor.js").EditorPage} page */
@@ -25,11 +28,14 @@ export class DrawTool extends Tool {
     return "";
   }
 
-  /** @param {{x: number, y: number}} place */
+  /** @param {{x: number, y: number}} place
+   * @param {Held} event */
   snapped(place, event) {
     return this.stage.walls.snap(place, this.page.snapping(event, this.points.at(-1) ?? null));
   }
 
+  /** @param {import("../shared/tool.js").Place} place
+   * @param {Held} event */
   move(place, event) {
     const mark = this.snapped(place, event);
     this.last = mark;
@@ -37,18 +43,24 @@ export class DrawTool extends Tool {
     this.stage.redraw();
   }
 
-  /** What is drawn while the pointer is at a point. */
+  /** What is drawn while the pointer is at a point.
+   * @param {Mark} _mark */
   about(_mark) {
     return {};
   }
 
+  /** @param {import("../shared/tool.js").Place} place
+   * @param {PointerEvent} event */
   down(place, event) {
     if (event.button === 0) this.point(this.snapped(place, event));
   }
 
-  /** A point is given, by a click, by Enter, or typed. */
+  /** A point is given, by a click, by Enter, or typed.
+   * @param {Mark} _mark */
   point(_mark) {}
 
+  /** @param {KeyboardEvent} event
+   * @param {import("../shared/tool.js").Place} place */
   key(event, place) {
     if (event.key === "Enter") {
       this.point(this.snapped(place, FREE));
@@ -63,7 +75,9 @@ export class DrawTool extends Tool {
   }
 
   /** The end of a line of a typed length [m] and angle [degrees], in the direction of the pointer where none is typed; null
-   * without a length. */
+   * without a length.
+   * @param {number} length
+   * @param {number} degrees */
   typedMark(length, degrees) {
     const from = this.points.at(-1);
     if (!from || !(length > 0)) return null;
@@ -95,6 +109,7 @@ export class LineTool extends DrawTool {
     return `${what} Shift: 15°. Alt: no snapping.`;
   }
 
+  /** @param {Mark} mark */
   about(mark) {
     const from = this.points.at(-1);
     if (!from) return {};
@@ -102,6 +117,7 @@ export class LineTool extends DrawTool {
     return { walls: [wall], words: wordsOf(wall), at: [mark.x, mark.y] };
   }
 
+  /** @param {Mark} mark */
   point({ x, y }) {
     const from = this.points.at(-1);
     if (!from) {
@@ -125,7 +141,9 @@ export class RectangleTool extends DrawTool {
     return "Click one corner, and the opposite one: four walls. Or type the sides. Alt: no snapping.";
   }
 
-  /** The corner at typed distances [m] from the first, on the side of the pointer; one alone is both. */
+  /** The corner at typed distances [m] from the first, on the side of the pointer; one alone is both.
+   * @param {number} across
+   * @param {number} up */
   typedMark(across, up) {
     const from = this.points[0];
     const [wide, high] = [across, Number.isFinite(up) ? up : across];
@@ -141,6 +159,7 @@ export class RectangleTool extends DrawTool {
     return [[x0, y0, x, y0], [x, y0, x, y], [x, y, x0, y], [x0, y, x0, y0]];
   }
 
+  /** @param {Mark} mark */
   about(mark) {
     const from = this.points[0];
     if (!from) return {};
@@ -148,10 +167,13 @@ export class RectangleTool extends DrawTool {
     return { walls: this.sides(from, mark), words, at: [mark.x, mark.y] };
   }
 
+  /** @param {import("../shared/tool.js").Place} place
+   * @param {Held} event */
   snapped(place, event) {
     return this.stage.walls.snap(place, { ...this.page.snapping(event, null), isTurned: false });
   }
 
+  /** @param {Mark} mark */
   point(mark) {
     const from = this.points[0];
     if (!from) {
@@ -168,7 +190,7 @@ const ERROR = 0.005; // [m] by which chords may lie within a circle, at most
 const FEWEST = 12;
 
 /** How many sides a circle of a radius [m] gets. */
-const sidesOf = (radius) => Math.max(FEWEST, 4 * Math.ceil(Math.PI / Math.acos(Math.max(0, 1 - ERROR / radius)) / 4));
+const sidesOf = (/** @type {number} */ radius) => Math.max(FEWEST, 4 * Math.ceil(Math.PI / Math.acos(Math.max(0, 1 - ERROR / radius)) / 4));
 
 export class CircleTool extends DrawTool {
   /** @type {[string, string][]} */
@@ -183,10 +205,11 @@ export class CircleTool extends DrawTool {
   chords(middle, radius) {
     const [x, y] = middle;
     const count = sidesOf(radius);
-    const point = (n) => [round(x + radius * Math.cos((2 * Math.PI * n) / count)), round(y + radius * Math.sin((2 * Math.PI * n) / count))];
+    const point = (/** @type {number} */ n) => [round(x + radius * Math.cos((2 * Math.PI * n) / count)), round(y + radius * Math.sin((2 * Math.PI * n) / count))];
     return Array.from({ length: count }, (_, n) => [...point(n), ...point((n + 1) % count)]);
   }
 
+  /** @param {Mark} mark */
   about(mark) {
     const from = this.points[0];
     const radius = from ? Math.hypot(mark.x - from[0], mark.y - from[1]) : 0;
@@ -196,6 +219,7 @@ export class CircleTool extends DrawTool {
     return { walls: this.chords(from, radius), words: `radius ${radius.toFixed(2)} m, ${count} walls, within ${error.toFixed(1)} mm`, at: [mark.x, mark.y] };
   }
 
+  /** @param {Mark} mark */
   point({ x, y }) {
     const from = this.points[0];
     if (!from) {
@@ -213,6 +237,7 @@ export class MeasureTool extends DrawTool {
     return "Click two points: distance and angle, and how far the nearest wall is.";
   }
 
+  /** @param {Mark} mark */
   about(mark) {
     const [from, to] = this.points;
     const clear = this.stage.walls.clearance(mark.x, mark.y);
@@ -223,12 +248,15 @@ export class MeasureTool extends DrawTool {
     return { walls: [wall], words: to || !far ? wordsOf(wall) : `${wordsOf(wall)}, ${far}`, at: end };
   }
 
+  /** @param {Mark} mark */
   point({ x, y }) {
     this.points = this.points.length === 1 ? [...this.points, [x, y]] : [[x, y]];
     if (!this.stage.walls.walls.length) this.ask(x, y);
   }
 
-  /** Say how far the nearest cell of a bitmap is: the page has walls alone. */
+  /** Say how far the nearest cell of a bitmap is: the page has walls alone.
+   * @param {number} x
+   * @param {number} y */
   async ask(x, y) {
     const said = await this.page.connection.ask({ do: "clearance", x, y });
     if (said.ok) this.page.hint(`nearest wall ${said.gap.toFixed(3)} m`);

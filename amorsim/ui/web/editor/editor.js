@@ -1,6 +1,6 @@
 // The Editor's page: a document that the server keeps, drawn and listed; every gesture is a step that can be undone.
 
-import { h, say } from "../shared/dom.js";
+import { h, say, there } from "../shared/dom.js";
 import { Connection, lostWords } from "../shared/socket.js";
 import { startTheme } from "../shared/theme.js";
 import { Hand } from "../shared/tool.js";
@@ -62,6 +62,7 @@ export class EditorPage {
     this.kinds = [];
     /** Generators of worlds, by name. @type {string[]} */
     this.generators = [];
+    /** @type {Record<string, any>} */
     this.tools = {
       select: new SelectTool(this), hand: this.stage.pane.panning, line: new LineTool(this, false), polyline: new LineTool(this, true),
       rectangle: new RectangleTool(this), circle: new CircleTool(this), room: new RoomTool(this), door: new DoorTool(this),
@@ -75,9 +76,9 @@ export class EditorPage {
     this.take("select");
     this.connection = new Connection({
       frame: () => {},
-      news: (message) => message.window && (this.window = message.window),
+      news: (/** @type {any} */ message) => message.window && (this.window = message.window),
       open: () => this.follow(),
-      lost: (attempts) => this.warn(lostWords(attempts, KEPT)),
+      lost: (/** @type {number} */ attempts) => this.warn(lostWords(attempts, KEPT)),
     });
   }
 
@@ -109,6 +110,7 @@ export class EditorPage {
     }
   }
 
+  /** @param {any} said */
   show(said) {
     const before = this.state;
     const wasWatching = this.watching;
@@ -136,6 +138,7 @@ export class EditorPage {
     showTools(this);
   }
 
+  /** @param {any} drawn */
   draw(drawn) {
     this.drawn = drawn;
     if (this.playing) return; // it is shown when that has ended
@@ -150,10 +153,10 @@ export class EditorPage {
     const isRight = lacks.length ? `not yet: ${lacks.join(", ")}` : "no faults";
     say(parts.problems, faults.length === 1 ? "1 fault" : faults.length ? `${faults.length} faults` : isRight);
     parts.faults.hidden = !faults.length;
-    parts.faults.replaceChildren(faultButtons(faults, (at) => this.goTo(at)));
+    parts.faults.replaceChildren(faultButtons(faults, (at) => this.goTo(at), (command) => this.connection.ask(command)));
     stage.update({ still, things }, (name) => this.image(name));
     const { walls } = stage.walls;
-    this.objects.show(lacks.length ? things.map((thing) => (thing.path === "world" ? { ...thing, faults: 0 } : thing)) : things, walls);
+    this.objects.show(lacks.length ? things.map((/** @type {import("./stage.js").Thing} */ thing) => (thing.path === "world" ? { ...thing, faults: 0 } : thing)) : things, walls);
     counts(parts.counts, things, walls);
     if (this.wanted) this.choose(this.wanted.paths, this.wanted.walls);
     if (this.fitsNext) stage.fit();
@@ -181,6 +184,7 @@ export class EditorPage {
     else showText(this);
   }
 
+  /** @param {string} name */
   async image(name) {
     const said = await this.connection.ask({ do: "image", name });
     return said.ok ? `data:image/png;base64,${said.png}` : null;
@@ -208,6 +212,7 @@ export class EditorPage {
     return said;
   }
 
+  /** @param {string} which */
   async step(which) {
     const said = await this.connection.ask({ do: which });
     this.hint(said.ok ? (said.label ? `${which}: ${said.label}` : `nothing to ${which}`) : said.error);
@@ -236,7 +241,7 @@ export class EditorPage {
 
   /** Take a tool in hand. @param {string} name */
   take(name) {
-    const { hidden, disabled } = this.parts.tools.get(name);
+    const { hidden, disabled } = there(this.parts.tools.get(name));
     if (hidden) return;
     if (disabled) this.hint("another window holds the pen");
     else if (this.wallsFixed && WALL_TOOLS.includes(name)) askLines(this, name);
@@ -258,14 +263,17 @@ export class EditorPage {
     showMounts(this);
   }
 
-  /** Say what a tool does next. */
+  /** Say what a tool does next.
+   * @param {any} tool */
   showTool(tool) {
     const words = tool.says ?? "Drag moves the view.";
     say(this.parts.says, words);
     this.parts.says.title = words;
   }
 
-  /** How what is drawn snaps now. */
+  /** How what is drawn snaps now.
+   * @param {{altKey: boolean, shiftKey: boolean}} event
+   * @param {number[] | null} from */
   snapping(event, from) {
     return { scale: this.stage.camera.scale, grid: this.grid, from, isTurned: event.shiftKey, isFree: event.altKey };
   }

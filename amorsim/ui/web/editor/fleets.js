@@ -15,13 +15,13 @@ const MOST = 10_000;
 export function askFleet(page, kind, box) {
   const [x0, y0, x1, y1] = box;
   const problem = h("p", { class: "error", role: "alert" });
-  const model = h("select", {}, (kind.models ?? []).map((name) => h("option", { value: name }, name)));
+  const model = h("select", {}, (kind.models ?? []).map((/** @type {string} */ name) => h("option", { value: name }, name)));
   const modelOf = (/** @type {string} */ note) => note.split(",")[0];
   const usual = page.stage.things.filter(({ kind: one }) => one === "robot").map(({ note }) => modelOf(note)).find((name) => kind.models?.includes(name));
   model.value = usual ?? "pioneer2dx"; // as those that are there
   const count = h("input", { type: "text", inputmode: "numeric", autocomplete: "off", value: "10" });
   const stands = h("select", {}, h("option", { value: "random" }, "at random"), h("option", { value: "grid" }, "on a grid"));
-  const row = (label, input) => h("label", { class: "asked" }, h("span", {}, label), input);
+  const row = (/** @type {string} */ label, /** @type {HTMLElement} */ input) => h("label", { class: "asked" }, h("span", {}, label), input);
   const make = async () => {
     const many = numberIn(count.value);
     if (!(Number.isInteger(many) && many >= 1 && many <= MOST)) {
@@ -66,14 +66,14 @@ export function start([x0, y0, x1, y1], count, how) {
 export const fleetKinds = (models) => [
   {
     group: "Many", label: "fleet of robots…", what: "robots", path: "robots", isMany: true, models,
-    table: (model, things) => ({ name: freeName("fleet", things), model }),
+    table: (/** @type {string} */ model, /** @type {import("./stage.js").Thing[]} */ things) => ({ name: freeName("fleet", things), model }),
   },
   {
     group: "Many", label: "field of posts…", what: "posts", path: "obstacles", isMany: true,
-    table: (_, things) => ({ name: freeName("posts", things), shape: { circle: 0.15 } }),
+    table: (/** @type {string} */ _, /** @type {import("./stage.js").Thing[]} */ things) => ({ name: freeName("posts", things), shape: { circle: 0.15 } }),
   },
   {
     group: "Many", label: "crowd of people…", what: "people", path: "obstacles", isMany: true,
-    table: (_, things, [x0, y0, x1, y1]) => ({ name: freeName("people", things), shape: { circle: 0.22 }, motion: walking([[x0, (y0 + y1) / 2], [x1, (y0 + y1) / 2]]) }),
+    table: (/** @type {string} */ _, /** @type {import("./stage.js").Thing[]} */ things, /** @type {number[]} */ [x0, y0, x1, y1]) => ({ name: freeName("people", things), shape: { circle: 0.22 }, motion: walking([[x0, (y0 + y1) / 2], [x1, (y0 + y1) / 2]]) }),
   },
 ];

@@ -97,7 +97,8 @@ function whenSeen(element, does) {
 
 /** A brush on a picture that shows an extent [m].
  * @param {HTMLCanvasElement} canvas
- * @param {number[]} extent */
+ * @param {number[]} extent
+ * @param {import("../shared/theme.js").Theme} theme */
 function brushOn(canvas, extent, theme) {
   const ratio = globalThis.devicePixelRatio || 1;
   [canvas.width, canvas.height] = [Math.round(WIDTH * ratio), Math.round(HEIGHT * ratio)];
@@ -113,7 +114,8 @@ function brushOn(canvas, extent, theme) {
 const around = (/** @type {number} */ far) => [-far, -far, far, far].map((value) => AIR * value);
 
 /** @param {HTMLCanvasElement} canvas
- * @param {any} footprint */
+ * @param {any} footprint
+ * @param {import("../shared/theme.js").Theme} theme */
 function drawOutline(canvas, footprint, theme) {
   const { context, camera, ratio } = brushOn(canvas, around(reach(footprint)), theme);
   camera.apply(context, ratio);
@@ -128,7 +130,8 @@ function drawOutline(canvas, footprint, theme) {
 
 /** @param {HTMLCanvasElement} canvas
  * @param {{still: import("../shared/still.js").Still, pictures: Record<string, string>}} card
- * @param {string} kind */
+ * @param {string} kind
+ * @param {import("../shared/theme.js").Theme} theme */
 function drawStill(canvas, { still, pictures }, kind, theme) {
   const scene = readScene(still.scene);
   const extent = kind === "robot" && scene.robots.length ? around(scene.robots[0].reach) : still.extent;

@@ -12,7 +12,9 @@ const TURN = Math.PI / 12; // 15°
 export const round = (/** @type {number} */ value) => Math.round(value * 1e4) / 1e4 + 0;
 
 /** The foot of the perpendicular from a point on a wall, kept between the wall's ends.
- * @param {number[]} wall */
+ * @param {number[]} wall
+ * @param {number} x
+ * @param {number} y */
 export function footOn([x0, y0, x1, y1], x, y) {
   const [dx, dy] = [x1 - x0, y1 - y0];
   const length = dx * dx + dy * dy;
@@ -42,7 +44,10 @@ export class Walls {
     walls.forEach(([a, b, c, d], n) => this.index.addLine(n, a, b, c, d));
   }
 
-  /** The nearest wall within a reach [m], or -1. */
+  /** The nearest wall within a reach [m], or -1.
+   * @param {number} x
+   * @param {number} y
+   * @param {number} reach */
   nearest(x, y, reach) {
     let [best, least] = [-1, reach];
     for (const n of this.index.near(x, y, reach)) {
@@ -53,7 +58,9 @@ export class Walls {
     return best;
   }
 
-  /** How far the nearest wall is [m]; infinity where there is none. */
+  /** How far the nearest wall is [m]; infinity where there is none.
+   * @param {number} x
+   * @param {number} y */
   clearance(x, y) {
     let least = Infinity;
     for (const wall of this.walls) {
@@ -126,7 +133,9 @@ export function boxOf(footprint, [x, y, heading]) {
 
 /** Whether a point is within a footprint at a pose.
  * @param {import("../simulator/wire.js").Outline} footprint
- * @param {number[]} pose */
+ * @param {number[]} pose
+ * @param {number} x
+ * @param {number} y */
 export function holds(footprint, [px, py, heading], x, y) {
   const [dx, dy] = [x - px, y - py];
   if (footprint.circle) return Math.hypot(dx, dy) <= footprint.circle;

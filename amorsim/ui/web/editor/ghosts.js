@@ -53,9 +53,12 @@ function ghostsOf(stage, thing) {
 }
 
 /** The thing one of whose ghosts lies at a point, or whose box has an edge there.
- * @param {import("./stage.js").EditStage} stage */
+ * @param {import("./stage.js").EditStage} stage
+ * @param {number} x
+ * @param {number} y
+ * @param {number} near */
 export function startAt(stage, x, y, near) {
-  const isNear = ({ a, b }) => {
+  const isNear = (/** @type {{a: number[], b: number[]}} */ { a, b }) => {
     const [u, v] = footOn([...a, ...b], x, y);
     return Math.hypot(u - x, v - y) <= near;
   };
@@ -73,7 +76,7 @@ export const startsOf = (thing) => (thing.pose ? [] : thing.places.filter(({ pat
 
 /** A place that lies elsewhere by so much [m].
  * @param {import("./grips.js").PlaceOf} place */
-export const shifted = ({ points }, right, up) => points.map(([x, y]) => [round(x + right), round(y + up)]);
+export const shifted = ({ points }, /** @type {number} */ right, /** @type {number} */ up) => points.map(([x, y]) => [round(x + right), round(y + up)]);
 
 /** What the document has to say for a place to have these points.
  * @param {import("./grips.js").PlaceOf} place

@@ -60,8 +60,10 @@ function pointGrips(stage, thing, place) {
    * @param {boolean} isNew */
   const grip = (number, at, isNew) => {
     const [x, y] = at;
-    let to = null;
-    const drag = (point) => {
+    /** @type {any} */
+    /** @type {any} */
+  let to = null;
+    const drag = (/** @type {{x: number, y: number}} */ point) => {
       to = [round(point.x), round(point.y)];
       stage.bend(place.path, isNew ? [...place.points.slice(0, number), to, ...place.points.slice(number)] : place.points.map((one, n) => (n === number ? to : one)));
       stage.preview = { words: `${to[0]}, ${to[1]} m`, at: to };
@@ -70,7 +72,7 @@ function pointGrips(stage, thing, place) {
     const asks = {
       title: `A point of ${thing.name}`,
       fields: [["x", "m", x], ["y", "m", y]],
-      change: (values) => ({ label: `move a point of ${thing.name}`, changes: [{ op: "point", path: place.path, number, value: values, ...(isNew ? { insert: true } : {}) }] }),
+      change: (/** @type {number[]} */ values) => ({ label: `move a point of ${thing.name}`, changes: [{ op: "point", path: place.path, number, value: values, ...(isNew ? { insert: true } : {}) }] }),
     };
     return /** @type {Grip} */ ({ x, y, shape: isNew ? "small" : "round", thing, place, number, drag, drop, snaps: true, asks });
   };
@@ -87,14 +89,15 @@ function pointGrips(stage, thing, place) {
  * @returns {Grip[]} */
 function boxGrips(stage, thing, place) {
   const [[x0, y0], [x1, y1]] = place.points;
+  /** @type {any} */
   let to = null;
-  const show = (a, b, c, d) => {
+  const show = (/** @type {number} */ a, /** @type {number} */ b, /** @type {number} */ c, /** @type {number} */ d) => {
     to = [Math.min(a, c), Math.min(b, d), Math.max(a, c), Math.max(b, d)].map(round);
     stage.bend(place.path, [to.slice(0, 2), to.slice(2)]);
     stage.preview = { words: `${round(to[2] - to[0])} × ${round(to[3] - to[1])} m`, at: to.slice(2) };
   };
   const drop = () => to && { label: `move the box of ${thing.name}`, change: { op: "set", path: place.path, value: to } };
-  const grip = (x, y, shape, drag) => /** @type {Grip} */ ({ x, y, shape, thing, place, number: 0, drag, drop, snaps: true });
+  const grip = (/** @type {number} */ x, /** @type {number} */ y, /** @type {string} */ shape, /** @type {(point: {x: number, y: number}) => void} */ drag) => /** @type {Grip} */ ({ x, y, shape, thing, place, number: 0, drag, drop, snaps: true });
   return [
     ...[[x0, y0, x1, y1], [x1, y0, x0, y1], [x1, y1, x0, y0], [x0, y1, x1, y0]].map(([x, y, u, v]) => grip(x, y, "round", (point) => show(point.x, point.y, u, v))),
     { ...grip((x0 + x1) / 2, (y0 + y1) / 2, "square", () => {}), isWhole: true },
@@ -113,14 +116,15 @@ function mountGrips(stage, thing, sensor) {
   const [x, y] = [body[0] + mount[0] * c - mount[1] * s, body[1] + mount[0] * s + mount[1] * c];
   const heading = body[2] + mount[2];
   const far = ARM / stage.camera.scale;
+  /** @type {any} */
   let to = null;
-  const show = (pose, words, at) => {
+  const show = (/** @type {number[]} */ pose, /** @type {string} */ words, /** @type {number[]} */ at) => {
     to = pose;
     stage.preview = { words, at };
     stage.mount(thing, sensor, pose);
   };
   const path = `${thing.path}.sensors.${sensor}`;
-  const drop = (value, verb) => to && { label: `${verb} ${sensor} of ${thing.name}`, change: { op: "mount", path, value: value(to) } };
+  const drop = (/** @type {(pose: number[]) => (number | null)[]} */ value, /** @type {string} */ verb) => to && { label: `${verb} ${sensor} of ${thing.name}`, change: { op: "mount", path, value: value(to) } };
   return [
     {
       x, y, shape: "square", thing,

@@ -85,14 +85,14 @@ export class Inspector {
     say(this.title, `wall ${n + 1}`);
     this.signature = this.path = "";
     this.fields.clear();
-    const set = async (path, value) => {
+    const set = async (/** @type {string} */ path, /** @type {any} */ value) => {
       const other = [...wall];
       other[Number(path)] = value;
       return await page.edit("move a wall", [{ op: "walls", change: [[n, other]] }]);
     };
     const fields = ["x of one end", "y of one end", "x of the other", "y of the other"].map((label, k) =>
       makeField({ path: String(k), label, help: "", value: wall[k], is_given: false, fixed: page.wallsFixed || page.watching,
-        widget: { kind: "number", is_optional: false, unit: "m", low: null, high: null, is_open: [false, false], is_whole: false } }, { set, restore: set }).element);
+        widget: /** @type {any} */ ({ kind: "number", is_optional: false, unit: "m", low: null, high: null, is_open: [false, false], is_whole: false }) }, { set, restore: (path) => set(path, wall[Number(path)]) }).element);
     this.element.replaceChildren(
       h("p", { class: "note" }, `${wordsOf(wall)}; walls are kept in ${page.state?.map || "the map's file"}`),
       ...fields,
@@ -118,7 +118,8 @@ export class Inspector {
     this.tellFaults(sections);
   }
 
-  /** A field as it is shown: of a body that the file puts nowhere, with the place that its map gives it. */
+  /** A field as it is shown: of a body that the file puts nowhere, with the place that its map gives it.
+   * @param {any} field */
   fixed(field) {
     const place = this.placeOf(field.path);
     const value = place && !field.is_given ? place.pose[place.part] * (place.part === 2 ? 180 / Math.PI : 1) : field.value;
@@ -133,7 +134,8 @@ export class Inspector {
   }
 
   /** Say a value, as a step.
-   * @param {string} path */
+   * @param {string} path
+   * @param {any} value */
   set(path, value) {
     const [part, key] = path.split(".").slice(-2);
     const words = key === "use" ? `choose ${value} as ${part}` : value === null ? `no ${key}` : `change ${key.replace(/_deg$/, "").replaceAll("_", " ")}`;
@@ -144,6 +146,7 @@ export class Inspector {
     return this.page.edit(words, [{ op: "pose", path: place.path, value: pose.map((one, n) => (n === place.part ? value : one)) }]);
   }
 
+  /** @param {any[]} sections */
   build(sections) {
     this.fields.clear();
     this.element.replaceChildren(
@@ -157,8 +160,8 @@ export class Inspector {
   section(section, n) {
     const { page } = this;
     const on = {
-      set: (path, value) => this.set(path, value),
-      restore: (path) => page.edit(`leave out ${path.split(".").at(-1)}`, [{ op: "remove", path }]),
+      set: (/** @type {string} */ path, /** @type {any} */ value) => this.set(path, value),
+      restore: (/** @type {string} */ path) => page.edit(`leave out ${path.split(".").at(-1)}`, [{ op: "remove", path }]),
     };
     const parts = [];
     if (section.origin) parts.push(h("p", { class: "note" }, section.origin));
@@ -201,7 +204,8 @@ export class Inspector {
     for (const inner of field.fields ?? []) this.know(inner);
   }
 
-  /** Which component or shape it is. */
+  /** Which component or shape it is.
+   * @param {any} section */
   use({ use, path, title }) {
     const { page } = this;
     const id = `use-${path}`;
@@ -261,7 +265,8 @@ export class Inspector {
     return h("div", { class: "row" }, h("label", { for: id }, label), select, h("button", { class: "tool", "aria-label": label, onclick: add }, "add"));
   }
 
-  /** Put the faults where they belong: at a field, or else at the section that holds it. */
+  /** Put the faults where they belong: at a field, or else at the section that holds it.
+   * @param {any[]} sections */
   tellFaults(sections) {
     const { faults } = this.page;
     const rest = new Map(sections.map(({ path }) => [path, /** @type {string[]} */ ([])]));

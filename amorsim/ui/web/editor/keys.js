@@ -51,13 +51,14 @@ export function listen(page) {
     parts.width.value = String(page.width);
   });
   for (const name of ["length", "angle"]) {
-    parts[name].addEventListener("keydown", (event) => keyTyped(page, event));
+    parts[name].addEventListener("keydown", (/** @type {KeyboardEvent} */ event) => keyTyped(page, event));
     parts[name].addEventListener("input", () => showTyped(page));
   }
   globalThis.addEventListener("keydown", (event) => press(page, event));
 }
 
-const plain = (page) => ({
+/** @returns {Record<string, (() => void) | undefined>} */
+const plain = (/** @type {import("./editor.js").EditorPage} */ page) => ({
   v: () => page.take("select"), h: () => page.take("hand"), w: () => page.take(page.state?.cells ? "cells" : "line"), p: () => page.take("polyline"),
   r: () => page.take("rectangle"), c: () => page.take(page.state?.cells ? "crop" : "circle"), b: () => page.take("brush"), e: () => page.take("eraser"), f: () => page.take("fill"), m: () => page.take("measure"), o: () => page.take("room"), d: () => page.take("door"), t: () => page.take("trim"),
   "+": () => page.stage.camera.zoom(1.3), "=": () => page.stage.camera.zoom(1.3), "-": () => page.stage.camera.zoom(1 / 1.3), 0: () => page.stage.fit(),
@@ -71,7 +72,8 @@ const plain = (page) => ({
   Escape: () => (page.toolName === "select" ? page.stage.selection.clear() : page.take("select")),
 });
 
-const withControl = (page) => ({
+/** @returns {Record<string, (() => void) | undefined>} */
+const withControl = (/** @type {import("./editor.js").EditorPage} */ page) => ({
   z: () => page.isHolder && page.step("undo"), y: () => page.isHolder && page.step("redo"), Z: () => page.isHolder && page.step("redo"), s: () => save(page), S: () => saveAs(page),
   c: () => page.copy(), x: () => page.isHolder && page.copy(true), v: () => page.isHolder && page.paste(), d: () => page.isHolder && page.duplicate(),
   a: () => page.stage.selection.set(page.stage.within([-Infinity, -Infinity, Infinity, Infinity])),
@@ -97,6 +99,7 @@ function press(page, event) {
     event.preventDefault();
     return;
   }
+  /** @type {Record<string, (() => void) | undefined>} */
   const shifted = { ArrowLeft: () => pane.pan(60, 0), ArrowRight: () => pane.pan(-60, 0), ArrowUp: () => pane.pan(0, 60), ArrowDown: () => pane.pan(0, -60) };
   const does = (event.shiftKey && shifted[event.key]) || plain(page)[event.key];
   if (!does) return;

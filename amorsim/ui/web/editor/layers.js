@@ -28,7 +28,7 @@ export class MarksLayer extends SceneLayer {
   draw({ context, camera, theme }) {
     const { stage } = this;
     const px = 1 / camera.scale;
-    const isMine = ({ path }) => stage.moved.has(path) === this.isDragged;
+    const isMine = (/** @type {any} */ { path }) => stage.moved.has(path) === this.isDragged;
     context.lineWidth = 1.5 * px;
     context.strokeStyle = theme.estimated;
     const chosen = stage.chosenThings.filter(isMine);
@@ -40,7 +40,7 @@ export class MarksLayer extends SceneLayer {
       const [x0, y0, x1, y1] = boxOf(there(thing.footprint), pose);
       context.rect(x0 - 4 * px, y0 - 4 * px, x1 - x0 + 8 * px, y1 - y0 + 8 * px);
       const isBody = thing.robots.length + thing.obstacles.length > 0;
-      if (this.isDragged && !isBody) trace(context, thing.footprint, pose[0], pose[1], pose[2]); // a zone, a landmark, a lamp
+      if (this.isDragged && !isBody) trace(context, there(thing.footprint), pose[0], pose[1], pose[2]); // a zone, a landmark, a lamp
     }
     context.stroke();
     context.setLineDash([]);
@@ -102,6 +102,9 @@ export class PreviewLayer extends SceneLayer {
     }
   }
 
+  /** @param {CanvasRenderingContext2D} context
+   * @param {number} px
+   * @param {import("../shared/theme.js").Theme} theme */
   handles(context, px, theme) {
     const { stage } = this;
     const handle = turnHandle(stage);
@@ -139,7 +142,10 @@ export class PreviewLayer extends SceneLayer {
   }
 }
 
-/** The cells that a brush is about to change. */
+/** The cells that a brush is about to change.
+ * @param {CanvasRenderingContext2D} context
+ * @param {any} cells
+ * @param {import("../shared/theme.js").Theme} theme */
 function drawCells(context, { spans, side, rows, x, y, heading, isOccupied, isFaint }, theme) {
   context.save();
   context.translate(x, y);

@@ -33,17 +33,23 @@ export const GRIDS = [["0.1", "grid 0.1 m"], ["0.01", "grid 0.01 m"], ["0.05", "
 
 const DOORS = [["swinging", "a swinging door"], ["sliding", "a sliding door"], ["opening", "an opening alone"]];
 
+/** @param {any} what */
 export function build({ pane, objects, inspector }) {
+  /** @type {Record<string, any>} */
   const parts = {};
-  const make = (name, element) => (parts[name] = element);
-  const button = (name, attributes, ...children) => make(name, h("button", attributes, children));
-  const icon = (name, label, sign) => button(name, { class: "icon", "aria-label": label, title: label }, sign);
+  /** @template {HTMLElement} T @param {string} name @param {T} element @returns {T} */
+  const make = (name, element) => {
+    parts[name] = element;
+    return element;
+  };
+  const button = (/** @type {string} */ name, /** @type {Record<string, any>} */ attributes, /** @type {any[]} */ ...children) => make(name, h("button", attributes, children));
+  const icon = (/** @type {string} */ name, /** @type {string} */ label, /** @type {string} */ sign) => button(name, { class: "icon", "aria-label": label, title: label }, sign);
   parts.tools = new Map(TOOLS.map(([name, does, key, path]) => {
     const drawn = h("button", { "aria-pressed": "false", "aria-label": `${does} (${key})`, title: `${does} (${key})`, "data-tool": name });
     drawn.append(drawing(path));
     return [name, drawn];
   }));
-  const field = (name, label) => make(name, h("input", { type: "text", inputmode: "decimal", autocomplete: "off", id: `typed-${name}`, "aria-label": label }));
+  const field = (/** @type {string} */ name, /** @type {string} */ label) => make(name, h("input", { type: "text", inputmode: "decimal", autocomplete: "off", id: `typed-${name}`, "aria-label": label }));
   pane.append(make("reading", h("p", { class: "reading", role: "status" }, "reading the scenario …")));
   parts.element = h(
     "div",

@@ -1,8 +1,10 @@
 // The list of objects, a line for each with its faults, and the list of all faults.
 
 import { h, say } from "../shared/dom.js";
+import { manualButton } from "../shared/manual.js";
 import { drawing } from "./drawing.js";
 
+/** @type {Record<string, string>} */
 const KINDS = { settings: "Scenario", robot: "Robots", obstacle: "Obstacles", zone: "Zones", landmark: "Landmarks", light: "Lights", wall: "Walls" };
 const MOST = 300; // lines of a kind
 const EYE = "M2 10q8-9 16 0q-8 9-16 0z M12.5 10a2.5 2.5 0 1 1-5 0a2.5 2.5 0 1 1 5 0z";
@@ -46,11 +48,13 @@ export class ObjectList {
     this.mark();
   }
 
-  /** The title of a kind, and the buttons that hide and lock it. */
+  /** The title of a kind, and the buttons that hide and lock it.
+   * @param {string} kind
+   * @param {HTMLElement} title */
   head(kind, title) {
     const { stage } = this.page;
     if (kind === "settings") return h("div", { class: "layer" }, title);
-    const button = (set, label, sign, struck = "") => {
+    const button = (/** @type {Set<string>} */ set, /** @type {string} */ label, /** @type {string} */ sign, struck = "") => {
       const show = () => one.replaceChildren(drawing(set.has(kind) ? `${sign} ${struck}` : sign));
       const one = h("button", { class: "tool", "aria-pressed": String(set.has(kind)), "aria-label": `${label} ${KINDS[kind].toLowerCase()}`, title: label });
       show();
@@ -66,11 +70,16 @@ export class ObjectList {
     return h("div", { class: "layer" }, title, h("div", { class: "both" }, button(stage.hidden, "hide", EYE, STRUCK), button(stage.locked, "lock", PADLOCK)));
   }
 
+  /** @param {string} key
+   * @param {string} name
+   * @param {string} note
+   * @param {number} faults
+   * @param {() => import("./stage.js").Chosen} chosen */
   line(key, name, note, faults, chosen) {
     const { selection } = this.page.stage;
     const button = h(
       "button",
-      { class: "thing", "aria-pressed": "false", "data-key": key, onclick: (event) => {
+      { class: "thing", "aria-pressed": "false", "data-key": key, onclick: (/** @type {PointerEvent} */ event) => {
         const one = chosen();
         selection.set(event.shiftKey || event.ctrlKey ? [...selection.things.filter(({ key: other }) => other !== one.key), one] : [one]);
       } },
@@ -89,6 +98,7 @@ export class ObjectList {
   }
 }
 
+/** @type {Record<string, string>} */
 const LACKS = { world: "walls", robots: "a robot" };
 
 /** The faults, and what a new scenario only has not yet, in words.
@@ -96,14 +106,15 @@ const LACKS = { world: "walls", robots: "a robot" };
  * @param {boolean} isNew
  * @returns {[any[], string[]]} */
 export function faultsAndLacks(faults, isNew) {
-  const isLack = ({ at, message }) => isNew && at in LACKS && message.startsWith("missing");
+  const isLack = (/** @type {any} */ { at, message }) => isNew && at in LACKS && message.startsWith("missing");
   return [faults.filter((one) => !isLack(one)), faults.filter(isLack).map(({ at }) => LACKS[at])];
 }
 
-/** The faults, each a button that leads to what it is about.
- * @param {(import("../simulator/wire.js").FaultLine & {at: string})[]} faults
- * @param {(at: string) => void} go */
-export function faultButtons(faults, go) {
+/** The faults, each a button that leads to what it is about, and beside it the manual of the component that it is in.
+ * @param {(import("../simulator/wire.js").FaultLine & {at: string, component: [string, string] | null})[]} faults
+ * @param {(at: string) => void} go
+ * @param {import("../shared/manual.js").Ask} ask */
+export function faultButtons(faults, go, ask) {
   return h(
     "ol",
     { class: "faults-list" },
@@ -117,11 +128,15 @@ export function faultButtons(faults, go) {
           h("div", { class: "where" }, [fault.path || fault.file, fault.line === null ? "" : `line ${fault.line}`].filter(Boolean).join(", ")),
           h("div", { class: "problem" }, fault.message),
         ),
+        fault.component && manualButton(ask, ...fault.component),
       )),
   );
 }
 
-/** The numbers of walls, robots and so on, in words. */
+/** The numbers of walls, robots and so on, in words.
+ * @param {HTMLElement} element
+ * @param {import("./stage.js").Thing[]} things
+ * @param {number[][]} walls */
 export function counts(element, things, walls) {
   const words = Object.entries({ robot: "robots", obstacle: "obstacles", zone: "zones", landmark: "landmarks", light: "lights" }).flatMap(([kind, many]) => {
     const count = things.filter((thing) => thing.kind === kind).reduce((sum, thing) => sum + Math.max(1, thing.robots.length + thing.obstacles.length), 0);

@@ -7,8 +7,8 @@ import { PathTool } from "./path_tool.js";
 import { histogram, previewErrors } from "./previews.js";
 import { askModel } from "./project.js";
 
-const button = (label, does) => h("button", { class: "tool", onclick: does }, label);
-const row = (...buttons) => h("div", { class: "row" }, buttons);
+const button = (/** @type {string} */ label, /** @type {() => void} */ does) => h("button", { class: "tool", onclick: does }, label);
+const row = (/** @type {any[]} */ ...buttons) => h("div", { class: "row" }, buttons);
 
 /** The button that draws the points of a list on the canvas.
  * @param {import("./editor.js").EditorPage} page
@@ -72,7 +72,7 @@ export function reordering(page, { path, title }, all) {
   const [, chain, number] = path.match(/^(.+\.(?:noise|ground))\.(\d+)$/) ?? [];
   if (!chain) return [];
   const n = Number(number);
-  const move = (words, index) => h("button", { class: "tool", "aria-label": `${title}: ${words}`, onclick: () => page.edit(`${title} ${words}`, [{ op: "move", path, index }]) }, words);
+  const move = (/** @type {string} */ words, /** @type {number} */ index) => h("button", { class: "tool", "aria-label": `${title}: ${words}`, onclick: () => page.edit(`${title} ${words}`, [{ op: "move", path, index }]) }, words);
   const isLast = !all.some((section) => section.path === `${chain}.${n + 1}`);
   return [...(n ? [move("earlier", n - 1)] : []), ...(isLast ? [] : [move("later", n + 1)])];
 }

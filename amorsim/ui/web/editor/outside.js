@@ -1,7 +1,7 @@
 // What the page says of the pen and of files that something else has changed, and which tools there are.
 
 import { tell } from "../shared/dialogs.js";
-import { h, say } from "../shared/dom.js";
+import { h, say, there } from "../shared/dom.js";
 
 export const WALL_TOOLS = ["line", "polyline", "rectangle", "circle", "room", "door", "trim"];
 const PAINT_TOOLS = ["brush", "eraser", "cells", "fill", "crop"];
@@ -11,12 +11,12 @@ const PAINT_TOOLS = ["brush", "eraser", "cells", "fill", "crop"];
 export function showTools(page) {
   const { parts, state, watching } = page;
   for (const name of WALL_TOOLS) {
-    parts.tools.get(name).disabled = watching;
-    parts.tools.get(name).hidden = Boolean(state.cells);
+    there(parts.tools.get(name)).disabled = watching;
+    there(parts.tools.get(name)).hidden = Boolean(state.cells);
   }
   for (const name of PAINT_TOOLS) {
-    parts.tools.get(name).disabled = watching;
-    parts.tools.get(name).hidden = !state.cells;
+    there(parts.tools.get(name)).disabled = watching;
+    there(parts.tools.get(name)).hidden = !state.cells;
   }
   if (page.wantedTool && !state.walls_fixed && !watching) {
     page.take(page.wantedTool); // for which the walls were made a file
@@ -45,7 +45,7 @@ export function showOutside(page) {
     page.warn("");
     return;
   }
-  const act = (command) => async () => {
+  const act = (/** @type {object} */ command) => async () => {
     const said = await page.connection.ask(command);
     if (!said.ok) page.hint(said.error);
   };
@@ -57,7 +57,7 @@ export function showOutside(page) {
     );
     return;
   }
-  const others = changed.filter((name) => !gone.includes(name));
+  const others = changed.filter((/** @type {string} */ name) => !gone.includes(name));
   const happened = [[others, "changed"], [gone, "deleted"]]
     .filter(([names]) => names.length)
     .map(([names, what]) => `${names.join(" and ")} ${names.length > 1 ? "were" : "was"} ${what} by something else`);
@@ -77,7 +77,8 @@ async function showDifference(page) {
     page.hint(said.error);
     return;
   }
+  /** @type {Record<string, string>} */
   const kinds = { "+": "added", "-": "taken", "@": "where" };
-  const lines = said.text.split("\n").map((line) => h("span", { class: kinds[line[0]] ?? "" }, `${line}\n`));
+  const lines = said.text.split("\n").map((/** @type {string} */ line) => h("span", { class: kinds[line[0]] ?? "" }, `${line}\n`));
   tell("The file now, and what is here", h("p", { class: "note" }, "− is in the file now, + is here"), h("pre", { class: "difference", tabindex: "0" }, said.text ? lines : "they say the same"));
 }

@@ -17,7 +17,7 @@ export function cellsOf(page) {
   return {
     rows, columns, side, x, y, heading,
     /** Column and row, counted from the top, as numbers with fractions. */
-    at: (u, v) => {
+    at: (/** @type {number} */ u, /** @type {number} */ v) => {
       const [dx, dy] = [u - x, v - y];
       return [(dx * c + dy * s) / side, rows - (dy * c - dx * s) / side];
     },
@@ -35,7 +35,7 @@ export function spansOf([c0, r0], [c1, r1], radius) {
   for (let row = Math.floor(Math.min(r0, r1) - radius); row <= Math.max(r0, r1) + radius; row++) {
     const y = row + 0.5; // the cells whose middle is near enough to the line
     let [low, high] = [Infinity, -Infinity];
-    const take = (left, right) => [low, high] = [Math.min(low, left), Math.max(high, right)];
+    const take = (/** @type {number} */ left, /** @type {number} */ right) => [low, high] = [Math.min(low, left), Math.max(high, right)];
     for (const [c, r] of [[c0, r0], [c1, r1]]) {
       const rest = radius * radius - (y - r) * (y - r);
       if (rest >= 0) take(c - Math.sqrt(rest), c + Math.sqrt(rest));
@@ -87,6 +87,8 @@ export class BrushTool extends Tool {
     return cells ? Math.max(0.5, this.page.brush / 2 / cells.side) : 0.5;
   }
 
+  /** @param {import("../shared/tool.js").Place} place
+   * @param {{button: number, shiftKey?: boolean}} event */
   down(place, event) {
     const cells = cellsOf(this.page);
     if (!cells || event.button !== 0) return;
@@ -95,6 +97,7 @@ export class BrushTool extends Tool {
     this.show(cells);
   }
 
+  /** @param {import("../shared/tool.js").Place} place */
   move(place) {
     const cells = cellsOf(this.page);
     if (!cells) return;
@@ -114,6 +117,7 @@ export class BrushTool extends Tool {
     if (this.spans.length > MOST) this.up();
   }
 
+  /** @param {any} cells */
   show(cells) {
     this.stage.preview = { cells: { ...cells, spans: this.spans, isOccupied: this.isOccupied } };
     this.stage.redraw();
@@ -141,6 +145,8 @@ export class BrushTool extends Tool {
     this.stage.redraw();
   }
 
+  /** @param {KeyboardEvent} event
+   * @param {import("../shared/tool.js").Place} middle */
   key(event, middle) {
     if (event.key !== "Enter") return false;
     if (this.isLine && !this.from) this.down(middle, { button: 0 });
@@ -153,7 +159,8 @@ export class BrushTool extends Tool {
   }
 }
 
-/** Spans of a row that touch, as one. */
+/** Spans of a row that touch, as one.
+ * @param {number[][]} spans */
 function joined(spans) {
   const rows = new Map();
   for (const [row, first, end] of spans) {
@@ -161,7 +168,7 @@ function joined(spans) {
     rows.get(row).push([first, end]);
   }
   return [...rows].flatMap(([row, parts]) => {
-    parts.sort(([a], [b]) => a - b);
+    parts.sort((/** @type {number[]} */ [a], /** @type {number[]} */ [b]) => a - b);
     const found = [];
     for (const [first, end] of parts) {
       const last = found[found.length - 1];
@@ -188,6 +195,8 @@ export class FillTool extends Tool {
     return "Click a free area: it becomes occupied. Shift: an occupied one becomes free.";
   }
 
+  /** @param {import("../shared/tool.js").Place} place
+   * @param {{button: number, shiftKey?: boolean}} event */
   down(place, event) {
     const cells = cellsOf(this.page);
     if (!cells || event.button) return;
@@ -196,6 +205,8 @@ export class FillTool extends Tool {
     this.page.edit("fill", [{ op: "fill", row, column, occupied: !event.shiftKey }]);
   }
 
+  /** @param {KeyboardEvent} event
+   * @param {import("../shared/tool.js").Place} middle */
   key(event, middle) {
     if (event.key !== "Enter") return false;
     this.down(middle, { button: 0, shiftKey: event.shiftKey });

@@ -16,11 +16,13 @@ export class PathTool extends DrawTool {
     return this.points.length ? "Click the next point; Escape ends." : `Click the first of the ${this.label}.`;
   }
 
+  /** @param {import("./draw_tools.js").Mark} mark */
   about(mark) {
     const ends = [...this.points, [mark.x, mark.y]];
     return { walls: ends.slice(1).map((end, n) => [...ends[n], ...end]), words: `${ends.length}`, at: [mark.x, mark.y] };
   }
 
+  /** @param {import("./draw_tools.js").Mark} mark */
   point({ x, y }) {
     const last = this.points.at(-1);
     if (last && last[0] === x && last[1] === y) return;
@@ -28,6 +30,8 @@ export class PathTool extends DrawTool {
     this.page.showTool(this);
   }
 
+  /** @param {KeyboardEvent} event
+   * @param {import("../shared/tool.js").Place} middle */
   key(event, middle) {
     if (event.key !== "Escape") return super.key(event, middle);
     const found = this.points;

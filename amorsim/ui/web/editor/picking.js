@@ -36,7 +36,7 @@ function seriesAt(stage, x, y, near) {
   if (!stage.still || !stage.scene) return null;
   const { robots, obstacles } = stage.still;
   const { scene } = stage;
-  const isAt = (pose, far) => pose && Math.hypot(pose[0] - x, pose[1] - y) <= Math.max(far, near);
+  const isAt = (/** @type {number[] | null} */ pose, /** @type {number} */ far) => pose && Math.hypot(pose[0] - x, pose[1] - y) <= Math.max(far, near);
   return stage.things.find(
     (thing) =>
       !thing.pose && stage.isFree(thing.kind) &&

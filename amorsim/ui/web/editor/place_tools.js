@@ -23,6 +23,7 @@ export class PlaceTool extends DrawTool {
     return `Click where ${this.what.label} is to stand; drag to turn it. Escape: none.`;
   }
 
+  /** @param {import("./draw_tools.js").Mark} mark */
   about(mark) {
     const [at] = this.points;
     const heading = at ? Math.atan2(mark.y - at[1], mark.x - at[0]) : 0;
@@ -31,18 +32,24 @@ export class PlaceTool extends DrawTool {
     return { bodies: [{ footprint: this.what.footprint, pose }] };
   }
 
+  /** @param {import("../shared/tool.js").Place} place
+   * @param {import("./draw_tools.js").Held} event */
   snapped(place, event) {
     return this.stage.walls.snap(place, { ...this.page.snapping(event, null), isTurned: false, isFree: this.points.length > 0 || event.altKey });
   }
 
+  /** @param {import("./draw_tools.js").Mark} mark */
   point({ x, y }) {
     this.points = [[x, y]];
   }
 
+  /** @param {import("../shared/tool.js").Place} place
+   * @param {PointerEvent} event */
   up(place, event) {
     if (this.points.length) this.finish(this.snapped(place, event));
   }
 
+  /** @param {import("./draw_tools.js").Mark} mark */
   finish(mark) {
     const [x, y] = this.points[0];
     const isTurned = Math.hypot(mark.x - x, mark.y - y) * this.stage.camera.scale > 12;
@@ -51,6 +58,8 @@ export class PlaceTool extends DrawTool {
     this.done([x, y, heading]);
   }
 
+  /** @param {KeyboardEvent} event
+   * @param {import("../shared/tool.js").Place} place */
   key(event, place) {
     if (event.key === "Escape") {
       this.cancel();
@@ -83,11 +92,14 @@ export class SizeTool extends PlaceTool {
     return `Drag out ${this.what.label} ${how}, or click for its usual size. Escape: none.`;
   }
 
+  /** @param {import("../shared/tool.js").Place} place
+   * @param {import("./draw_tools.js").Held} event */
   snapped(place, event) {
     return this.stage.walls.snap(place, { ...this.page.snapping(event, null), isTurned: false });
   }
 
-  /** The shape between where the pointer went down and where it is, and the middle of it; null for a click. */
+  /** The shape between where the pointer went down and where it is, and the middle of it; null for a click.
+   * @param {import("./draw_tools.js").Mark} mark */
   shapeTo(mark) {
     const [at] = this.points;
     if (!at) return null;
@@ -101,12 +113,14 @@ export class SizeTool extends PlaceTool {
     return { shape: { rectangle: sides }, middle: [round(at[0] + dx / 2), round(at[1] + dy / 2)], words: `${sides[0]} × ${sides[1]} m` };
   }
 
+  /** @param {import("./draw_tools.js").Mark} mark */
   about(mark) {
     const dragged = this.shapeTo(mark);
     if (!dragged) return super.about(mark);
     return { bodies: [{ footprint: footprintOf(dragged.shape), pose: [...dragged.middle, 0] }], words: dragged.words, at: [mark.x, mark.y] };
   }
 
+  /** @param {import("./draw_tools.js").Mark} mark */
   finish(mark) {
     const dragged = this.shapeTo(mark);
     const [x, y] = dragged?.middle ?? this.points[0];

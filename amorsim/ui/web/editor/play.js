@@ -1,7 +1,7 @@
 // Running in place: the simulation of what is drawn, shown on the editing canvas, which is locked meanwhile.
 
 import { tell } from "../shared/dialogs.js";
-import { clock, h, say } from "../shared/dom.js";
+import { clock, h, say, there } from "../shared/dom.js";
 import { readScene } from "../shared/scene.js";
 import { Connection } from "../shared/socket.js";
 import { readFrame } from "../simulator/protocol.js";
@@ -25,7 +25,7 @@ export async function play(page) {
   }
   const playing = page.playing = /** @type {any} */ ({ scene: null });
   playing.connection = new Connection({
-    frame: (buffer) => page.playing === playing && frameCame(page, playing, readFrame(buffer, playing.scene)),
+    frame: (/** @type {ArrayBuffer} */ buffer) => page.playing === playing && frameCame(page, playing, readFrame(buffer, playing.scene)),
     news: () => {},
     open: () => begin(page, playing),
     lost: () => stop(page),
@@ -35,20 +35,25 @@ export async function play(page) {
   lock(page);
 }
 
+/** @param {import("./editor.js").EditorPage} page
+ * @param {any} playing */
 async function begin(page, playing) {
   const said = await playing.connection.ask({ do: "scene" });
   if (!said.ok || page.playing !== playing) return;
   playing.scene = readScene(said.scene);
-  const places = (from, to) => {
+  const places = (/** @type {any[]} */ from, /** @type {any[]} */ to) => {
     const at = new Map(to.map(({ name }, n) => [name, n]));
     return from.map(({ name }) => at.get(name) ?? -1);
   };
-  playing.robots = places(playing.scene.robots, page.stage.scene.robots);
-  playing.obstacles = places(playing.scene.obstacles, page.stage.scene.obstacles);
+  playing.robots = places(playing.scene.robots, there(page.stage.scene).robots);
+  playing.obstacles = places(playing.scene.obstacles, there(page.stage.scene).obstacles);
   await playing.connection.ask({ do: "speed", factor: 1 });
   await playing.connection.ask({ do: "run" });
 }
 
+/** @param {import("./editor.js").EditorPage} page
+ * @param {any} playing
+ * @param {import("../simulator/wire.js").Frame} frame */
 function frameCame(page, playing, frame) {
   playing.connection.drawn(frame.number);
   if (!playing.robots || !page.stage.frame) return;
@@ -73,6 +78,7 @@ export function stop(page) {
   if (page.drawn) page.draw(page.drawn);
 }
 
+/** @param {import("./editor.js").EditorPage} page */
 function lock(page) {
   say(page.parts.play, page.playing ? "■" : "▷");
   const label = page.playing ? "stop" : "play here";

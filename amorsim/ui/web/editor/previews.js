@@ -1,7 +1,7 @@
 // Previews next to forms: what a robot's errors do on a square, and how a sensor's readings scatter.
 
 import { tell } from "../shared/dialogs.js";
-import { fixed, h, say } from "../shared/dom.js";
+import { context2d, fixed, h, say } from "../shared/dom.js";
 import { shown } from "../shared/field.js";
 
 const WIDE = 560;
@@ -16,7 +16,7 @@ function plotting(wide, high, label) {
   const canvas = h("canvas", { width: String(wide * ratio), height: String(high * ratio), role: "img", "aria-label": label, class: "preview" });
   canvas.style.width = `${wide}px`;
   canvas.style.height = `${high}px`;
-  const context = canvas.getContext("2d");
+  const context = context2d(canvas);
   context.scale(ratio, ratio);
   return { canvas, context };
 }
@@ -39,8 +39,8 @@ export async function previewErrors(page, robot) {
   const [xs, ys] = [0, 1].map((k) => points.map((point) => point[k]));
   const [x0, x1, y0, y1] = [Math.min(...xs) - 0.5, Math.max(...xs) + 0.5, Math.min(...ys) - 0.5, Math.max(...ys) + 0.5];
   const scale = Math.min(WIDE / (x1 - x0), HIGH / (y1 - y0));
-  const at = ([x, y]) => [(x - x0) * scale, HIGH - (y - y0) * scale];
-  const draw = (paths, colour, dash) => {
+  const at = (/** @type {number[]} */ [x, y]) => [(x - x0) * scale, HIGH - (y - y0) * scale];
+  const draw = (/** @type {number[][][]} */ paths, /** @type {string} */ colour, /** @type {number[]} */ dash) => {
     context.strokeStyle = colour;
     context.setLineDash(dash);
     for (const path of paths) {
@@ -67,7 +67,8 @@ export async function previewErrors(page, robot) {
 /** The histogram of a sensor's errors, in an element that is filled when it is known.
  * @param {import("./editor.js").EditorPage} page
  * @param {string} robot
- * @param {string} sensor */
+ * @param {string} sensor
+ * @param {HTMLElement} holder */
 export async function histogram(page, robot, sensor, holder) {
   holder.replaceChildren(h("p", { class: "note", role: "status" }, "simulating …"));
   const said = await page.connection.ask({ do: "histogram", robot, sensor });
@@ -76,14 +77,14 @@ export async function histogram(page, robot, sensor, holder) {
     return;
   }
   const [unit, factor] = shown(said.unit);
-  const number = (value) => String(Number((value * factor).toPrecision(3))).replace("-", "−");
+  const number = (/** @type {number} */ value) => String(Number((value * factor).toPrecision(3))).replace("-", "−");
   const [wide, high] = [280, 84];
   const words = `mean ${number(said.mean)} ${unit}, standard deviation ${number(said.std)} ${unit}, ${said.of} values`;
   const { canvas, context } = plotting(wide, high, `histogram of measured minus true of ${sensor}: ${words}`);
   const most = Math.max(...said.counts);
   const bar = wide / said.counts.length;
   context.fillStyle = page.stage.theme.measured;
-  said.counts.forEach((count, n) => context.fillRect(n * bar, high - 14 - (count / most) * (high - 16), bar - 1, (count / most) * (high - 16)));
+  said.counts.forEach((/** @type {number} */ count, /** @type {number} */ n) => context.fillRect(n * bar, high - 14 - (count / most) * (high - 16), bar - 1, (count / most) * (high - 16)));
   context.fillStyle = page.stage.theme.soft ?? page.stage.theme.ink;
   context.font = "11px system-ui, sans-serif";
   context.fillText(`${number(said.edges[0])} ${unit}`, 0, high - 2);

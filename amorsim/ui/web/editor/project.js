@@ -14,27 +14,27 @@ export const MENU = [
   { name: "saveAs", words: "save as…", does: saveAs },
   { name: "world", words: "take another world…", does: askWorld },
   { name: "writeWorld", words: "save the world as…", does: askFormat },
-  { name: "makeLines", words: "make the walls a file to draw in…", does: (page) => askLines(page) },
+  { name: "makeLines", words: "make the walls a file to draw in…", does: (/** @type {import("./editor.js").EditorPage} */ page) => askLines(page) },
   { name: "underlay", words: "a picture to trace from…", does: askUnderlay },
-  { name: "png", words: "the world as a picture (PNG)", does: (page) => picture(page, "png") },
-  { name: "svg", words: "the world as lines (SVG)", does: (page) => picture(page, "svg") },
+  { name: "png", words: "the world as a picture (PNG)", does: (/** @type {import("./editor.js").EditorPage} */ page) => picture(page, "png") },
+  { name: "svg", words: "the world as lines (SVG)", does: (/** @type {import("./editor.js").EditorPage} */ page) => picture(page, "svg") },
   { name: "zip", words: "the scenario with its files (zip)", does: zip },
 ];
 
-const bytesOf = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
-const stem = (page) => page.state.name.replace(/\.toml$/, "");
+const bytesOf = (/** @type {string} */ text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+const stem = (/** @type {import("./editor.js").EditorPage} */ page) => page.state.name.replace(/\.toml$/, "");
 
 /** Open another scenario, on a page of its own.
  * @param {import("./editor.js").EditorPage} page */
 async function openOther(page) {
   const said = await page.connection.ask({ do: "others" });
   if (!said.ok) return;
-  const go = async (name) => {
+  const go = async (/** @type {string} */ name) => {
     const opened = await page.connection.ask({ do: "open", name });
     if (opened.ok) location.assign(opened.path);
     else tell("It cannot be opened", h("p", { class: "error" }, opened.error));
   };
-  const entries = (names) => names.map((name) => ({ name, of: /** @type {[string, string]} */ (["scenario", name]), does: () => go(name) }));
+  const entries = (/** @type {string[]} */ names) => names.map((name) => ({ name, of: /** @type {[string, string]} */ (["scenario", name]), does: () => go(name) }));
   showGallery(page, "Open", [
     { title: "New", entries: [{ name: "an empty page", sentence: "Draw a world, place robots.", does: () => go("") }] },
     { title: "Last", entries: entries(said.recent) },
@@ -63,8 +63,8 @@ async function askWorld(page) {
   if (!said.ok || !menu.ok) return;
   const problem = h("p", { class: "error", role: "alert" });
   const choice = h("select", {},
-    h("optgroup", { label: "random, of a generator" }, menu.world_generator.map((name) => h("option", { value: `generate ${name}` }, name))),
-    h("optgroup", { label: "a file of this folder" }, said.files.map((name) => h("option", { value: `file ${name}` }, name))));
+    h("optgroup", { label: "random, of a generator" }, menu.world_generator.map((/** @type {string} */ name) => h("option", { value: `generate ${name}` }, name))),
+    h("optgroup", { label: "a file of this folder" }, said.files.map((/** @type {string} */ name) => h("option", { value: `file ${name}` }, name))));
   const seed = h("input", { type: "text", inputmode: "numeric", autocomplete: "off", value: "1" });
   const seedRow = h("label", { class: "asked" }, h("span", {}, "seed: another number is another world"), seed);
   choice.addEventListener("change", () => (seedRow.hidden = choice.value.startsWith("file ")));
@@ -104,9 +104,12 @@ export async function askFormat(page) {
   });
 }
 
+/** @param {import("./editor.js").EditorPage} page
+ * @param {string} name
+ * @param {any} tried */
 function confirmWorld(page, name, { words }) {
   const problem = h("p", { class: "error", role: "alert" });
-  const write = async (use) => {
+  const write = async (/** @type {any} */ use) => {
     const said = await page.connection.ask({ do: "write_world", name, is_trial: false, use });
     if (!said.ok) {
       say(problem, said.error);
@@ -115,7 +118,7 @@ function confirmWorld(page, name, { words }) {
     page.hint(`saved ${said.file}`);
     dialog.close();
   };
-  const dialog = open(`${name}: what the format keeps`, h("div", {}, h("ul", {}, words.map((one) => h("li", {}, one))), problem), [
+  const dialog = open(`${name}: what the format keeps`, h("div", {}, h("ul", {}, words.map((/** @type {string} */ one) => h("li", {}, one))), problem), [
     h("button", { onclick: () => dialog.close() }, "cancel"),
     h("button", { onclick: () => write(false) }, "save it"),
     h("button", { class: "main", onclick: () => write(true) }, "save it and take it as the world"),
@@ -141,7 +144,7 @@ export async function askLines(page, tool = "line") {
   body.replaceChildren(
     h("p", {}, `${page.wallsFixed[0].toUpperCase()}${page.wallsFixed.slice(1)}.`),
     h("p", {}, `Its walls as they are now become ${tried.file}, the world of this scenario. Undo takes that back.`),
-    h("ul", {}, tried.words.map((one) => h("li", {}, one))), problem);
+    h("ul", {}, tried.words.map((/** @type {string} */ one) => h("li", {}, one))), problem);
   make.disabled = false;
   make.addEventListener("click", async () => {
     const said = await page.connection.ask({ do: "make_lines", is_trial: false });
@@ -155,12 +158,15 @@ export async function askLines(page, tool = "line") {
   });
 }
 
+/** @param {import("./editor.js").EditorPage} page
+ * @param {string} kind */
 async function picture(page, kind) {
   const said = await page.connection.ask({ do: "picture", kind });
   if (said.ok) download(new Blob([bytesOf(said.data)], { type: kind === "png" ? "image/png" : "image/svg+xml" }), `${stem(page)}.${kind}`);
   else page.hint(said.error);
 }
 
+/** @param {import("./editor.js").EditorPage} page */
 async function zip(page) {
   const said = await page.connection.ask({ do: "zip" });
   if (said.ok) download(new Blob([bytesOf(said.zip)], { type: "application/zip" }), `${stem(page)}.zip`);

@@ -1,7 +1,7 @@
 // What can be done with several selected things and walls: split, join, offset, align and share out.
 
 import { open } from "../shared/dialogs.js";
-import { h, say } from "../shared/dom.js";
+import { h, say, there } from "../shared/dom.js";
 import { numberIn } from "../shared/field.js";
 import { round } from "./geometry.js";
 import { poseChange } from "./poses.js";
@@ -12,7 +12,7 @@ import { joined, offset, split } from "./wall_work.js";
 export function reshaping(page) {
   if (page.watching) return [];
   const { stage } = page;
-  const button = (label, title, does) => h("button", { class: "tool", title, onclick: () => does(page) }, label);
+  const button = (/** @type {string} */ label, /** @type {string} */ title, /** @type {(page: import("./editor.js").EditorPage) => void} */ does) => h("button", { class: "tool", title, onclick: () => does(page) }, label);
   const parts = [];
   const count = stage.chosenWalls.length;
   if (count && !page.wallsFixed) {
@@ -25,7 +25,7 @@ export function reshaping(page) {
   if (stage.selection.things.length > 1) {
     const places = [["left", 0, 0], ["middle", 0, 1], ["right", 0, 2], ["bottom", 1, 0], ["centre", 1, 1], ["top", 1, 2]];
     parts.push(h("div", { class: "row wraps", role: "group", "aria-label": "align" }, h("span", { class: "note" }, "align"),
-      places.map(([label, axis, part]) => button(label, `align: ${label}`, () => align(page, Number(axis), Number(part))))));
+      places.map(([label, axis, part]) => button(String(label), `align: ${label}`, () => align(page, Number(axis), Number(part))))));
     if (stage.chosenThings.length > 2) {
       parts.push(h("div", { class: "row wraps", role: "group", "aria-label": "share out" }, h("span", { class: "note" }, "equal gaps"),
         button("across", "the same distance from one to the next, left to right", () => shareOut(page, 0)), button("up", "the same distance from one to the next, bottom to top", () => shareOut(page, 1))));
@@ -34,6 +34,7 @@ export function reshaping(page) {
   return parts;
 }
 
+/** @param {import("./editor.js").EditorPage} page */
 export function splitWalls(page) {
   const { walls } = page.stage.walls;
   const chosen = page.stage.chosenWalls;
@@ -47,6 +48,7 @@ export function splitWalls(page) {
   return page.edit("split walls", [{ op: "walls", change, add }]);
 }
 
+/** @param {import("./editor.js").EditorPage} page */
 function joinWalls(page) {
   const [one, other] = page.stage.chosenWalls;
   const { walls } = page.stage.walls;
@@ -60,6 +62,7 @@ function joinWalls(page) {
   return page.edit("join walls", [{ op: "walls", change: second ? [[one, first], [other, second]] : [[one, first]], remove: second ? [] : [other] }]);
 }
 
+/** @param {import("./editor.js").EditorPage} page */
 export function askOffset(page) {
   const problem = h("p", { class: "error", role: "alert" });
   const input = h("input", { type: "text", inputmode: "decimal", autocomplete: "off", value: "0.1" });
@@ -78,6 +81,7 @@ export function askOffset(page) {
   const dialog = open("Copies to one side", h("div", {}, row, problem), [h("button", { onclick: () => dialog.close() }, "cancel"), h("button", { class: "main", onclick: make }, "make")]);
 }
 
+/** @param {import("./editor.js").EditorPage} page */
 export function askTurn(page) {
   const problem = h("p", { class: "error", role: "alert" });
   const input = h("input", { type: "text", inputmode: "decimal", autocomplete: "off", value: "90" });
@@ -97,14 +101,15 @@ export function askTurn(page) {
 }
 
 /** Turn what is selected about its middle by an angle [rad].
- * @param {import("./editor.js").EditorPage} page */
+ * @param {import("./editor.js").EditorPage} page
+ * @param {number} angle */
 export function turn(page, angle) {
   const { stage } = page;
   const all = boxes(page).map(({ box }) => box);
   if (!all.length) return null;
   const middle = [0, 1].map((k) => (Math.min(...all.map((box) => box[k])) + Math.max(...all.map((box) => box[k + 2]))) / 2);
   const [c, s] = [Math.cos(angle), Math.sin(angle)];
-  const turned = (x, y) => [round(middle[0] + (x - middle[0]) * c - (y - middle[1]) * s), round(middle[1] + (x - middle[0]) * s + (y - middle[1]) * c)];
+  const turned = (/** @type {number} */ x, /** @type {number} */ y) => [round(middle[0] + (x - middle[0]) * c - (y - middle[1]) * s), round(middle[1] + (x - middle[0]) * s + (y - middle[1]) * c)];
   const things = stage.standing.filter(({ moves }) => moves);
   const changes = things.map((thing) => poseChange(thing, [...turned(thing.pose[0], thing.pose[1]), thing.pose[2] + (thing.turns ? angle : 0)]));
   const walls = page.wallsFixed ? [] : stage.chosenWalls.map((n) => {
@@ -114,37 +119,45 @@ export function turn(page, angle) {
   return edit(page, "turn what was selected", [...changes, ...walls]);
 }
 
-/** What is selected as boxes that can be moved: x0, y0, x1, y1, and how. */
+/** What is selected as boxes that can be moved: x0, y0, x1, y1, and how.
+ * @param {import("./editor.js").EditorPage} page */
 function boxes(page) {
   const { stage } = page;
-  const things = stage.chosenThings.filter(({ pose, moves }) => pose && moves).map((thing) => ({
-    box: [...thing.pose.slice(0, 2), ...thing.pose.slice(0, 2)],
-    moved: (dx, dy) => poseChange(thing, [round(thing.pose[0] + dx), round(thing.pose[1] + dy), thing.pose[2]]),
-  }));
+  const things = stage.chosenThings.filter(({ pose, moves }) => pose && moves).map((thing) => {
+    const [x, y, heading] = there(thing.pose);
+    return {
+      box: [x, y, x, y],
+      moved: (/** @type {number} */ dx, /** @type {number} */ dy) => poseChange(thing, [round(x + dx), round(y + dy), heading]),
+    };
+  });
   const walls = page.wallsFixed ? [] : stage.chosenWalls.map((n) => {
     const [a, b, c, d] = stage.walls.walls[n];
     return {
       box: [Math.min(a, c), Math.min(b, d), Math.max(a, c), Math.max(b, d)],
-      moved: (dx, dy) => ({ op: "walls", change: [[n, [a + dx, b + dy, c + dx, d + dy].map(round)]] }),
+      moved: (/** @type {number} */ dx, /** @type {number} */ dy) => ({ op: "walls", change: [[n, [a + dx, b + dy, c + dx, d + dy].map(round)]] }),
     };
   });
   return [...things, ...walls];
 }
 
 /** Align along an axis (0 for x, 1 for y) at the least, the middle or the most of what is selected.
- * @param {import("./editor.js").EditorPage} page */
+ * @param {import("./editor.js").EditorPage} page
+ * @param {number} axis
+ * @param {number} part */
 export function align(page, axis, part) {
   const all = boxes(page);
-  const at = (box) => [box[axis], (box[axis] + box[axis + 2]) / 2, box[axis + 2]][part];
+  const at = (/** @type {number[]} */ box) => [box[axis], (box[axis] + box[axis + 2]) / 2, box[axis + 2]][part];
   const [low, high] = [Math.min(...all.map(({ box }) => box[axis])), Math.max(...all.map(({ box }) => box[axis + 2]))];
   const goal = [low, (low + high) / 2, high][part];
   return edit(page, "align", all.map(({ box, moved }) => (axis ? moved(0, goal - at(box)) : moved(goal - at(box), 0))));
 }
 
-/** The same distance from one to the next; the first and the last stay. */
+/** The same distance from one to the next; the first and the last stay.
+ * @param {import("./editor.js").EditorPage} page
+ * @param {number} axis */
 function shareOut(page, axis) {
   const all = boxes(page).sort((one, other) => one.box[axis] - other.box[axis]);
-  const middle = ({ box }) => (box[axis] + box[axis + 2]) / 2;
+  const middle = (/** @type {{box: number[]}} */ { box }) => (box[axis] + box[axis + 2]) / 2;
   const [first, last] = [middle(all[0]), middle(all[all.length - 1])];
   return edit(page, "share out", all.map((one, n) => {
     const by = first + (n * (last - first)) / (all.length - 1) - middle(one);
@@ -152,6 +165,9 @@ function shareOut(page, axis) {
   }));
 }
 
+/** @param {import("./editor.js").EditorPage} page
+ * @param {string} label
+ * @param {any[]} changes */
 function edit(page, label, changes) {
   const walls = changes.filter(({ op }) => op === "walls").flatMap(({ change }) => change);
   const others = changes.filter(({ op }) => op !== "walls");

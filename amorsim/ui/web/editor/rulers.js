@@ -25,7 +25,7 @@ export class RulersLayer extends Layer {
     const { width, height, scale } = camera;
     const step = niceStep(APART / scale);
     const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
-    const words = (value) => (Math.abs(value) < step / 1e6 ? "0" : value.toFixed(decimals).replace("-", "−"));
+    const words = (/** @type {number} */ value) => (Math.abs(value) < step / 1e6 ? "0" : value.toFixed(decimals).replace("-", "−"));
     context.fillStyle = theme.paper;
     context.globalAlpha = 0.9;
     context.fillRect(0, 0, width, WIDE);

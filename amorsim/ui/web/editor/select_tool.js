@@ -19,6 +19,7 @@ export class SelectTool extends Tool {
     this.stage = page.stage;
     /** What the pointer does: "press", "move", "turn", "end", "grip" or "box". */
     this.doing = "";
+    this.from = { x: 0, y: 0, left: 0, top: 0 }; // where the pointer went down
   }
 
   get cursor() {
@@ -31,6 +32,8 @@ export class SelectTool extends Tool {
     return "Click selects, Shift adds. Drag moves; drag the dot to turn. Drag over nothing: a box. Alt: no snapping.";
   }
 
+  /** @param {import("../shared/tool.js").Place} place
+   * @param {PointerEvent} event */
   down(place, event) {
     const { stage } = this;
     this.from = place;
@@ -55,9 +58,12 @@ export class SelectTool extends Tool {
     else if (isChosen && event.shiftKey) stage.selection.set(stage.selection.things.filter(({ key }) => key !== this.found?.key));
   }
 
-  /** Take hold of a grip that lies under the pointer; with Ctrl, a point of a path is removed. */
+  /** Take hold of a grip that lies under the pointer; with Ctrl, a point of a path is removed.
+   * @param {import("../shared/tool.js").Place} place
+   * @param {PointerEvent} event
+   * @param {number} near */
   takeGrip(place, event, near) {
-    const under = (one) => Math.hypot(one.x - place.x, one.y - place.y) <= near;
+    const under = (/** @type {import("./grips.js").Grip} */ one) => Math.hypot(one.x - place.x, one.y - place.y) <= near;
     this.grip = this.stage.grips().find(under);
     const [thing] = this.stage.chosenThings;
     // Of a body that stands on a point of its own path, the body is meant.
@@ -82,6 +88,8 @@ export class SelectTool extends Tool {
     return true;
   }
 
+  /** @param {import("../shared/tool.js").Place} place
+   * @param {PointerEvent} event */
   move(place, event) {
     if (!this.doing) return;
     const { stage } = this;
@@ -118,7 +126,10 @@ export class SelectTool extends Tool {
     }
   }
 
-  /** Draw what is selected shifted by so much, on the grid by what was pressed. */
+  /** Draw what is selected shifted by so much, on the grid by what was pressed.
+   * @param {number} dx
+   * @param {number} dy
+   * @param {boolean} isFree */
   shift(dx, dy, isFree) {
     const { stage } = this;
     const things = stage.standing.filter(({ moves }) => moves);
@@ -128,7 +139,7 @@ export class SelectTool extends Tool {
     if (!base) return;
     const grid = isFree ? 0 : this.page.grid;
     // What is moved along one axis keeps its place along the other, be it on the grid or not.
-    const onto = (value, shift) => (!grid ? shift : Math.abs(shift) < grid / 2 ? 0 : Math.round((value + shift) / grid) * grid - value);
+    const onto = (/** @type {number} */ value, /** @type {number} */ shift) => (!grid ? shift : Math.abs(shift) < grid / 2 ? 0 : Math.round((value + shift) / grid) * grid - value);
     const [right, up] = [round(onto(base[0], dx)), round(onto(base[1], dy))];
     for (const thing of things) stage.place(thing, [round(thing.pose[0] + right), round(thing.pose[1] + up), thing.pose[2]]);
     for (const place of starts) stage.bend(place.path, shifted(place, right, up));
@@ -137,6 +148,8 @@ export class SelectTool extends Tool {
     stage.redraw();
   }
 
+  /** @param {import("../shared/tool.js").Place} _place
+   * @param {PointerEvent} event */
   up(_place, event) {
     const { stage } = this;
     const { doing, isMoved } = this;
@@ -162,7 +175,8 @@ export class SelectTool extends Tool {
     this.commit(doing);
   }
 
-  /** Change the document to what is drawn. */
+  /** Change the document to what is drawn.
+   * @param {any} doing */
   commit(doing) {
     const { stage } = this;
     const changes = [];
@@ -176,7 +190,7 @@ export class SelectTool extends Tool {
     }
     const { preview } = stage;
     if (doing === "end" && preview?.wall) changes.push({ op: "walls", change: [[stage.chosenWalls[0], preview.wall]] });
-    else if (preview?.numbers?.length) changes.push({ op: "walls", change: preview.numbers.map((n, k) => [n, preview.walls[k]]) });
+    else if (preview?.numbers?.length) changes.push({ op: "walls", change: preview.numbers.map((/** @type {number} */ n, /** @type {number} */ k) => [n, preview.walls[k]]) });
     const [thing, ...others] = stage.chosenOnes;
     const what = thing && !others.length && !preview?.numbers?.length ? thing.name : !thing && stage.chosenWalls.length === 1 ? "a wall" : "what was selected";
     if (changes.length) this.page.edit(`${doing === "turn" ? "turn" : "move"} ${what}`, changes);
@@ -188,6 +202,8 @@ export class SelectTool extends Tool {
     this.stage.putBack();
   }
 
+  /** @param {KeyboardEvent} event
+   * @param {import("../shared/tool.js").Place} place */
   key(event, place) {
     const { stage, page } = this;
     const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];

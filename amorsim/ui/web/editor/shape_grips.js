@@ -53,12 +53,12 @@ function rimGrip(stage, thing) {
   const before = there(thing.footprint?.circle);
   let radius = before;
   const [x, y] = [pose[0], pose[1] - before]; // below, where the handle that turns is not
-  const drag = (point) => {
+  const drag = (/** @type {{x: number, y: number}} */ point) => {
     radius = Math.max(LEAST, round(Math.hypot(point.x - pose[0], point.y - pose[1])));
     stage.preview = { bodies: [{ footprint: { circle: radius }, pose }], words: `radius ${radius} m`, at: [point.x, point.y] };
     stage.redraw();
   };
-  const asks = { title: `Size of ${thing.name}`, fields: [["radius", "m", before]], change: ([typed]) => change(thing, { circle: typed }), isRight: ([typed]) => typed > 0 };
+  const asks = { title: `Size of ${thing.name}`, fields: [["radius", "m", before]], change: (/** @type {number[]} */ [typed]) => change(thing, { circle: typed }), isRight: (/** @type {number[]} */ [typed]) => typed > 0 };
   return { x, y, shape: "round", thing, snaps: true, drag, drop: () => change(thing, { circle: radius }), asks };
 }
 
@@ -72,17 +72,18 @@ function cornerGrips(stage, thing) {
   const asks = {
     title: `Size of ${thing.name}`,
     fields: [["length", "m", round(long)], ["width", "m", round(wide)]],
-    change: (typed) => change(thing, { rectangle: typed }),
-    isRight: (typed) => typed.every((side) => side > 0),
+    change: (/** @type {number[]} */ typed) => change(thing, { rectangle: typed }),
+    isRight: (/** @type {number[]} */ typed) => typed.every((side) => side > 0),
   };
   // A corner has both signs, the middle of a side one.
   const signs = [[1, 1], [-1, 1], [-1, -1], [1, -1], [1, 0], [-1, 0], [0, 1], [0, -1]];
   return signs.map(([ahead, left]) => {
+    /** @type {any} */
     let to = null;
-    const drag = (point, _isFree, event) => {
+    const drag = (/** @type {{x: number, y: number}} */ point, /** @type {boolean} */ _isFree, /** @type {PointerEvent} */ event) => {
       const [u, v] = inside(pose, point);
       const isCentred = event?.ctrlKey;
-      const grown = (before, sign, at) => (!sign ? before : Math.max(LEAST, isCentred ? 2 * sign * at : sign * at + before / 2));
+      const grown = (/** @type {number} */ before, /** @type {number} */ sign, /** @type {number} */ at) => (!sign ? before : Math.max(LEAST, isCentred ? 2 * sign * at : sign * at + before / 2));
       let sides = [grown(long, ahead, u), grown(wide, left, v)];
       if (event?.shiftKey && ahead && left) {
         const factor = Math.max(sides[0] / long, sides[1] / wide);
@@ -113,9 +114,10 @@ function vertexGrips(stage, thing) {
    * @param {boolean} isNew */
   const grip = (number, at, isNew) => {
     const [u, v] = at;
+    /** @type {number[][] | null} */
     let polygon = null;
-    const put = (point) => (isNew ? [...points.slice(0, number), point, ...points.slice(number)] : points.map((one, n) => (n === number ? point : one)));
-    const drag = (point) => {
+    const put = (/** @type {number[]} */ point) => (isNew ? [...points.slice(0, number), point, ...points.slice(number)] : points.map((one, n) => (n === number ? point : one)));
+    const drag = (/** @type {{x: number, y: number}} */ point) => {
       polygon = put(inside(pose, point).map(round));
       stage.preview = { bodies: [{ footprint: { polygon }, pose }], words: `${round(point.x)}, ${round(point.y)} m`, at: [point.x, point.y] };
       stage.redraw();
@@ -124,7 +126,7 @@ function vertexGrips(stage, thing) {
     const asks = {
       title: `Vertex of ${thing.name}`,
       fields: [["x", "m", round(x)], ["y", "m", round(y)]],
-      change: ([a, b]) => change(thing, { polygon: put(inside(pose, { x: a, y: b }).map(round)) }),
+      change: (/** @type {number[]} */ [a, b]) => change(thing, { polygon: put(inside(pose, { x: a, y: b }).map(round)) }),
     };
     const remove = isNew || points.length < 4 ? undefined : () => change(thing, { polygon: points.filter((_, n) => n !== number) });
     return /** @type {Grip} */ ({ x, y, shape: isNew ? "small" : "round", thing, snaps: true, drag, drop: () => polygon && change(thing, { polygon }), asks, remove });
@@ -149,26 +151,26 @@ export function viewGrips(stage, thing, sensor) {
   const path = `${thing.path}.sensors.${sensor}`;
   const [x, y] = outside(body, mount.pose[0], mount.pose[1]);
   const heading = body[2] + mount.pose[2];
-  const label = (what) => `${what} of ${sensor} of ${thing.name}`;
-  const setRange = (value) => ({ label: label("range"), changes: [{ op: "set", path: `${path}.range_max`, value }] });
-  const angleOf = (value) => Math.round((value / DEGREE) * (key === "fov_deg" ? 1 : 0.5) * 100) / 100;
-  const setOpening = (value) => ({ label: label("opening"), changes: [{ op: "set", path: `${path}.${key}`, value: angleOf(value) }] });
+  const label = (/** @type {string} */ what) => `${what} of ${sensor} of ${thing.name}`;
+  const setRange = (/** @type {number} */ value) => ({ label: label("range"), changes: [{ op: "set", path: `${path}.range_max`, value }] });
+  const angleOf = (/** @type {number} */ value) => Math.round((value / DEGREE) * (key === "fov_deg" ? 1 : 0.5) * 100) / 100;
+  const setOpening = (/** @type {number} */ value) => ({ label: label("opening"), changes: [{ op: "set", path: `${path}.${key}`, value: angleOf(value) }] });
   let [range, angle] = [far, opening];
-  const show = (words, point) => {
+  const show = (/** @type {string} */ words, /** @type {{x: number, y: number}} */ point) => {
     stage.stretch(sensor, range / far, opening ? (angle ?? opening) / opening : 1);
     stage.preview = { words, at: [point.x, point.y] };
   };
   const grips = [
     {
       x: x + far * Math.cos(heading), y: y + far * Math.sin(heading), shape: "round", thing,
-      drag: (point, isFree) => {
+      drag: (/** @type {{x: number, y: number}} */ point, /** @type {boolean} */ isFree) => {
         const along = (point.x - x) * Math.cos(heading) + (point.y - y) * Math.sin(heading);
         const step = isFree ? 1e-4 : CENTIMETRE;
         range = Math.max(step, round(Math.round(along / step) * step));
         show(`sees ${range} m`, point);
       },
       drop: () => setRange(range),
-      asks: { title: label("Range"), fields: [["range", "m", far]], change: ([typed]) => setRange(typed), isRight: ([typed]) => typed > 0 },
+      asks: { title: label("Range"), fields: [["range", "m", far]], change: (/** @type {number[]} */ [typed]) => setRange(typed), isRight: (/** @type {number[]} */ [typed]) => typed > 0 },
     },
   ];
   if (!opening || !key) return /** @type {Grip[]} */ (grips);
@@ -183,7 +185,7 @@ export function viewGrips(stage, thing, sensor) {
         angle = Math.min(2 * Math.PI, Math.max(step, Math.round((2 * half) / step) * step));
         show(`opens ${Math.round(angle / (0.1 * DEGREE)) / 10}°`, point);
       },
-      drop: () => setOpening(angle),
+      drop: () => setOpening(there(angle)),
       asks: {
         title: label("Opening"), fields: [["angle from edge to edge", "°", Math.round((opening / DEGREE) * 100) / 100]],
         change: ([typed]) => setOpening(typed * DEGREE), isRight: ([typed]) => typed > 0 && typed <= 360,

@@ -90,6 +90,7 @@ export class EditStage extends StillStage {
     this.selection.listeners = []; // so that no listener hears of the empty selection meanwhile
     this.show(still, pictureOf);
     this.selection.listeners = listeners;
+    /** The scene with all that is in it, where some is hidden. @type {any} */
     this.whole = undefined;
     if (this.hidden.size) this.hide();
     this.walls = new Walls(mapOf(still?.scene)?.segments ?? [], still?.extent ?? [0, 0, 1, 1]);
@@ -224,7 +225,8 @@ export class EditStage extends StillStage {
     this.touch();
   }
 
-  /** A double click on a grip asks for its numbers; elsewhere it shows all. */
+  /** A double click on a grip asks for its numbers; elsewhere it shows all.
+   * @param {MouseEvent} event */
   doubleClicked(event) {
     const { x, y } = this.pane.placeOf(event);
     const grip = this.grips().find((one) => Math.hypot(one.x - x, one.y - y) <= 9 / this.camera.scale);
@@ -259,7 +261,7 @@ export class EditStage extends StillStage {
     if (!still || !this.frame) return;
     this.whole ??= this.scene;
     const floor = this.whole.floor;
-    const kept = (kind, value) => (this.hidden.has(kind) ? [] : value);
+    const kept = (/** @type {string} */ kind, /** @type {any} */ value) => (this.hidden.has(kind) ? [] : value);
     this.scene = {
       ...this.whole,
       map: this.hidden.has("wall") ? undefined : this.whole.map,
@@ -273,7 +275,7 @@ export class EditStage extends StillStage {
   settle() {
     const { still, frame, carried, hidden } = this;
     if (still && frame) {
-      const put = (which, poses, kindOf) => poses.forEach((pose, i) => {
+      const put = (/** @type {"truePoses" | "obstacles"} */ which, /** @type {(number[] | null)[]} */ poses, /** @type {(i: number) => string} */ kindOf) => poses.forEach((pose, i) => {
         const isElsewhere = hidden.has(kindOf(i)) || (carried && !Number.isNaN(carried[which][3 * i]));
         frame[which].set(isElsewhere || !pose ? NOWHERE : pose, 3 * i);
       });
@@ -283,6 +285,7 @@ export class EditStage extends StillStage {
     this.touch();
   }
 
+  /** @param {string} kind */
   isFree(kind) {
     return !this.locked.has(kind) && !this.hidden.has(kind);
   }

@@ -21,7 +21,7 @@ export function showTyping(parts, { typing = [] }) {
  * @param {import("./editor.js").EditorPage} page
  * @param {string} key */
 export function beginTyping(page, key) {
-  const tool = page.tools[page.toolName];
+  const tool = page.tools[page.toolName ?? ""];
   if (!/^[\d.,]$/.test(key) || !tool?.typing?.length || !tool.points.length || tool.corner) return false;
   page.parts.length.value = key;
   page.parts.length.focus();
@@ -48,7 +48,7 @@ export function keyTyped(page, event) {
  * @param {import("./editor.js").EditorPage} page */
 export function showTyped(page) {
   const { length, angle } = page.parts;
-  const tool = page.tools[page.toolName];
+  const tool = page.tools[page.toolName ?? ""];
   const mark = tool?.typedMark?.(numberIn(length.value), numberIn(angle.value)) ?? tool?.last;
   if (!mark || !tool.points?.length) return;
   page.stage.preview = { mark, ...tool.about(mark) };
@@ -59,7 +59,7 @@ export function showTyped(page) {
  * @param {import("./editor.js").EditorPage} page */
 function draw(page) {
   const { length, angle } = page.parts;
-  const tool = page.tools[page.toolName];
+  const tool = page.tools[page.toolName ?? ""];
   const mark = tool?.typedMark?.(numberIn(length.value), numberIn(angle.value));
   if (mark) {
     tool.point(mark);

@@ -42,8 +42,9 @@ export class UnderlayLayer extends Layer {
   }
 }
 
-const keyOf = (page) => `${KEPT}${page.state.folder}/${page.state.name}`;
+const keyOf = (/** @type {import("./editor.js").EditorPage} */ page) => `${KEPT}${page.state.folder}/${page.state.name}`;
 
+/** @param {import("./editor.js").EditorPage} page */
 function keep(page) {
   const { image, place } = page.stage.underlay;
   try {
@@ -54,6 +55,9 @@ function keep(page) {
   }
 }
 
+/** @param {import("./editor.js").EditorPage} page
+ * @param {string} src
+ * @param {any} place */
 function show(page, src, place) {
   const image = new Image();
   image.onload = () => {
@@ -77,7 +81,8 @@ export function takeUp(page) {
   }
 }
 
-/** A file as an address that can be kept, in at most so many pixels. */
+/** A file as an address that can be kept, in at most so many pixels.
+ * @param {File} file */
 async function addressOf(file) {
   const picture = await createImageBitmap(file);
   const scale = Math.min(1, WIDEST / Math.max(picture.width, picture.height));
@@ -94,15 +99,18 @@ class ScaleTool extends DrawTool {
     return this.points.length ? "Click the second point." : "Click a point of the picture whose distance to another you know.";
   }
 
+  /** @param {import("./draw_tools.js").Mark} mark */
   snapped({ x, y }) {
     return { x, y, kind: "" };
   }
 
+  /** @param {import("./draw_tools.js").Mark} mark */
   about(mark) {
     const [from] = this.points;
     return from ? { walls: [[...from, mark.x, mark.y]], words: `now ${Math.hypot(mark.x - from[0], mark.y - from[1]).toFixed(2)} m`, at: [mark.x, mark.y] } : {};
   }
 
+  /** @param {import("./draw_tools.js").Mark} mark */
   point({ x, y }) {
     if (!this.points.length) {
       this.points = [[x, y]];
@@ -117,6 +125,9 @@ class ScaleTool extends DrawTool {
   }
 }
 
+/** @param {import("./editor.js").EditorPage} page
+ * @param {number[]} point
+ * @param {any} now */
 function askDistance(page, [x, y], now) {
   const problem = h("p", { class: "error", role: "alert" });
   const input = h("input", { type: "text", inputmode: "decimal", autocomplete: "off", value: now.toFixed(2) });
@@ -148,13 +159,13 @@ export function askUnderlay(page) {
     const [one] = file.files ?? [];
     if (one) show(page, await addressOf(one).catch(() => ""), null);
   } });
-  const change = (part) => {
+  const change = (/** @type {object} */ part) => {
     underlay.place = { ...underlay.place, ...part };
     page.stage.redraw();
     keep(page);
   };
-  const number = (name, label) => {
-    const input = h("input", { type: "text", inputmode: "decimal", autocomplete: "off", value: String(Math.round(underlay.place[name] * 1e4) / 1e4), onchange: () => {
+  const number = (/** @type {string} */ name, /** @type {string} */ label) => {
+    const input = h("input", { type: "text", inputmode: "decimal", autocomplete: "off", value: String(Math.round(/** @type {any} */ (underlay.place)[name] * 1e4) / 1e4), onchange: () => {
       const value = numberIn(input.value);
       if (Number.isFinite(value)) change({ [name]: value });
     } });

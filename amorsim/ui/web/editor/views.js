@@ -99,6 +99,8 @@ export class ViewsLayer extends SceneLayer {
 
 /** A mount of a sensor whose own one was dragged from one place to another.
  * @param {number[]} mount
+ * @param {number[] | undefined} before
+ * @param {number[] | null | undefined} now
  * @returns {number[]} */
 function moved(mount, before, now) {
   if (!before || !now || before === now) return mount;
@@ -108,10 +110,13 @@ function moved(mount, before, now) {
   return [now[0] + dx * c - dy * s, now[1] + dx * s + dy * c, mount[2] + turn];
 }
 
-/** A sensor whose view is being stretched. */
+/** A sensor whose view is being stretched.
+ * @param {import("../simulator/wire.js").SensorShape} sensor
+ * @param {{sensor: string, range: number, angle: number} | null} by
+ * @returns {import("../simulator/wire.js").SensorShape} */
 function stretched(sensor, by) {
   if (by?.sensor !== sensor.name) return sensor;
-  const bearings = sensor.mounts.length > 1 ? sensor.bearings : sensor.bearings?.map((bearing) => bearing * by.angle);
+  const bearings = sensor.mounts.length > 1 ? sensor.bearings : (sensor.bearings?.map((bearing) => bearing * by.angle) ?? null);
   const half = sensor.half_angle && sensor.half_angle * by.angle;
   const { drawing } = sensor;
   return {
@@ -120,13 +125,18 @@ function stretched(sensor, by) {
   };
 }
 
+/** @param {import("../simulator/mounts.js").Pose} pose
+ * @param {number[]} mount */
 function placed(pose, mount) {
   const [x, y] = toWorld(pose, mount[0], mount[1]);
   return [x, y, pose[2] + mount[2]];
 }
 
 /** What a sensor sees from one of its mounts: a cone, or the sector of its beams.
- * @param {number[]} mount */
+ * @param {number[]} mount
+ * @param {CanvasRenderingContext2D} context
+ * @param {import("../simulator/wire.js").SensorShape} sensor
+ * @param {number} n */
 function trace(context, sensor, mount, n) {
   const [x, y, heading] = mount;
   const far = sensor.range_max ?? sensor.drawing?.reach;

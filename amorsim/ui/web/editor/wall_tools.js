@@ -1,5 +1,6 @@
 // Tools for rooms, doors and openings, and for trimming walls at their crossings.
 
+import { there } from "../shared/dom.js";
 import { RectangleTool, DrawTool } from "./draw_tools.js";
 import { freeName } from "./things.js";
 import { alongOf, cut, lengthOf, opening, pointAt, stretch, withOpening } from "./wall_work.js";
@@ -8,6 +9,8 @@ const REACH = 22; // pixels
 
 /** Two corners, and where the opening is: Escape leaves the room closed. */
 export class RoomTool extends RectangleTool {
+  /** @param {number} across
+   * @param {number} up */
   typedMark(across, up) {
     return this.corner ? null : super.typedMark(across, up);
   }
@@ -16,11 +19,13 @@ export class RoomTool extends RectangleTool {
     return this.corner ? "Click where the opening is; Escape: none." : "Click one corner of the room, and the opposite one.";
   }
 
+  /** @param {import("./draw_tools.js").Mark} mark */
   sidesNow(mark) {
     const [from] = this.points;
     return this.sides(from, this.corner ?? mark);
   }
 
+  /** @param {import("./draw_tools.js").Mark} mark */
   about(mark) {
     if (!this.points.length) return {};
     if (!this.corner) return super.about(mark);
@@ -28,10 +33,13 @@ export class RoomTool extends RectangleTool {
     return { walls, words: `opening ${this.page.width} m`, at: [mark.x, mark.y] };
   }
 
+  /** @param {import("../shared/tool.js").Place} place
+   * @param {import("./draw_tools.js").Held} event */
   snapped(place, event) {
     return this.corner ? { x: place.x, y: place.y, kind: "" } : super.snapped(place, event);
   }
 
+  /** @param {import("./draw_tools.js").Mark} mark */
   point(mark) {
     if (!this.points.length) {
       this.points = [[mark.x, mark.y]];
@@ -47,13 +55,16 @@ export class RoomTool extends RectangleTool {
     this.finish(mark);
   }
 
+  /** @param {import("./draw_tools.js").Mark | null} mark */
   finish(mark) {
-    const walls = withOpening(this.sidesNow(mark), mark, this.page.width);
+    const walls = withOpening(this.sidesNow(there(this.corner)), mark, this.page.width);
     this.cancel();
     this.page.showTool(this);
     this.page.edit("draw a room", [{ op: "walls", add: walls }]);
   }
 
+  /** @param {KeyboardEvent} event
+   * @param {import("../shared/tool.js").Place} place */
   key(event, place) {
     if (event.key !== "Escape" || !this.corner) return super.key(event, place);
     this.finish(null);
@@ -72,7 +83,8 @@ export class DoorTool extends DrawTool {
     return this.page.door === "opening" ? "Click on a wall: it gets an opening there." : "Click on a wall: it gets an opening there, with a door in it.";
   }
 
-  /** The wall under the pointer, and the part that the opening takes. */
+  /** The wall under the pointer, and the part that the opening takes.
+   * @param {import("./draw_tools.js").Mark} mark */
   snapped({ x, y }) {
     const { walls } = this.stage;
     const n = walls.nearest(x, y, REACH / this.stage.camera.scale);
@@ -82,12 +94,14 @@ export class DoorTool extends DrawTool {
     return { x: u, y: v, kind: "wall", n, from, to };
   }
 
+  /** @param {any} part */
   about({ n, from, to, x, y }) {
     if (n < 0 || from === undefined) return {};
     const wall = this.stage.walls.walls[n];
     return { walls: [[...pointAt(wall, from), ...pointAt(wall, to)]], words: `${(to - from).toFixed(2)} m, ${from.toFixed(2)} m from its end`, at: [x, y] };
   }
 
+  /** @param {any} part */
   point({ n, from, to }) {
     const wall = this.stage.walls.walls[n];
     if (!wall) {
@@ -107,12 +121,17 @@ export class DoorTool extends DrawTool {
   }
 }
 
-/** The obstacle that is a door in an opening of a wall. */
+/** The obstacle that is a door in an opening of a wall.
+ * @param {number[]} wall
+ * @param {number} from
+ * @param {number} to
+ * @param {string} kind
+ * @param {import("./stage.js").Thing[]} things */
 function doorIn(wall, from, to, kind, things) {
   const wide = to - from;
   const angle = Math.round(((Math.atan2(wall[3] - wall[1], wall[2] - wall[0]) * 180) / Math.PI) * 1e4) / 1e4;
   const name = freeName("door", things);
-  const exact = (value) => Math.round(value * 1e4) / 1e4;
+  const exact = (/** @type {number} */ value) => Math.round(value * 1e4) / 1e4;
   if (kind === "sliding") { // along the wall, next to it
     const [x, y] = pointAt(wall, (from + to) / 2);
     const [u, v] = [-(wall[3] - wall[1]) / lengthOf(wall), (wall[2] - wall[0]) / lengthOf(wall)];
@@ -130,6 +149,7 @@ export class TrimTool extends DrawTool {
     return "Click a part of a wall to remove it, up to the walls that cross it.";
   }
 
+  /** @param {import("./draw_tools.js").Mark} mark */
   snapped({ x, y }) {
     const { walls } = this.stage;
     const n = walls.nearest(x, y, REACH / this.stage.camera.scale);
@@ -140,12 +160,14 @@ export class TrimTool extends DrawTool {
     return { x, y, kind: "", n, from, to };
   }
 
+  /** @param {any} part */
   about({ n, from, to, x, y }) {
     if (n < 0 || from === undefined) return {};
     const wall = this.stage.walls.walls[n];
     return { walls: [[...pointAt(wall, from), ...pointAt(wall, to)]], words: `less ${(to - from).toFixed(2)} m`, at: [x, y] };
   }
 
+  /** @param {any} part */
   point({ n, from, to }) {
     const wall = this.stage.walls.walls[n];
     if (!wall) return;
@@ -169,32 +191,40 @@ export class BoxTool extends DrawTool {
     return this.words;
   }
 
+  /** @param {import("./draw_tools.js").Mark} mark */
   boxTo({ x, y }) {
     const [[a, b]] = this.points;
     return [Math.min(a, x), Math.min(b, y), Math.max(a, x), Math.max(b, y)];
   }
 
+  /** @param {import("./draw_tools.js").Mark} mark */
   about(mark) {
     if (!this.points.length) return {};
     const box = this.boxTo(mark);
     return { box, words: `${(box[2] - box[0]).toFixed(2)} × ${(box[3] - box[1]).toFixed(2)} m`, at: [mark.x, mark.y] };
   }
 
+  /** @param {import("../shared/tool.js").Place} place
+   * @param {import("./draw_tools.js").Held} event */
   snapped(place, event) {
     return this.stage.walls.snap(place, { ...this.page.snapping(event, null), isTurned: false });
   }
 
+  /** @param {import("./draw_tools.js").Mark} mark */
   point(mark) {
     if (!this.points.length) this.points = [[mark.x, mark.y]];
     else this.finish(mark);
   }
 
+  /** @param {import("../shared/tool.js").Place} place
+   * @param {PointerEvent} event */
   up(place, event) {
     const [from] = this.points;
     const mark = from && this.snapped(place, event);
     if (from && Math.hypot(mark.x - from[0], mark.y - from[1]) * this.stage.camera.scale > 8) this.finish(mark);
   }
 
+  /** @param {import("./draw_tools.js").Mark} mark */
   finish(mark) {
     const box = this.boxTo(mark);
     this.cancel();

@@ -17,7 +17,9 @@ export function pointAt(wall, along) {
 }
 
 /** How far along a wall [m] the foot of a point is.
- * @param {number[]} wall */
+ * @param {number[]} wall
+ * @param {number} x
+ * @param {number} y */
 export function alongOf(wall, x, y) {
   const [u, v] = footOn(wall, x, y);
   return Math.hypot(u - wall[0], v - wall[1]);
@@ -25,7 +27,7 @@ export function alongOf(wall, x, y) {
 
 /** A wall's piece between two distances [m] from its beginning.
  * @param {number[]} wall */
-const piece = (wall, from, to) => [
+const piece = (wall, /** @type {number} */ from, /** @type {number} */ to) => [
   ...(from <= SAME ? wall.slice(0, 2) : pointAt(wall, from)),
   ...(to >= lengthOf(wall) - SAME ? wall.slice(2) : pointAt(wall, to)),
 ];
@@ -66,7 +68,8 @@ export function split(wall, others) {
 
 /** The stretch of a wall between the crossings about a place, as distances along it.
  * @param {number[]} wall
- * @param {number[][]} others */
+ * @param {number[][]} others
+ * @param {number} along */
 export function stretch(wall, others, along) {
   const at = [0, ...crossings(wall, others), lengthOf(wall)];
   const n = Math.max(1, at.findIndex((value) => value > along));
@@ -97,7 +100,7 @@ function ending(wall, [x, y]) {
  * @returns {number[][] | null} */
 export function joined(one, other) {
   const length = lengthOf(one);
-  const beside = (x, y) => Math.abs((x - one[0]) * (one[3] - one[1]) - (y - one[1]) * (one[2] - one[0])) / length;
+  const beside = (/** @type {number} */ x, /** @type {number} */ y) => Math.abs((x - one[0]) * (one[3] - one[1]) - (y - one[1]) * (one[2] - one[0])) / length;
   if (beside(other[0], other[1]) < LEAST && beside(other[2], other[3]) < LEAST) {
     /** @param {number[]} point */
     const along = ([x, y]) => ((x - one[0]) * (one[2] - one[0]) + (y - one[1]) * (one[3] - one[1])) / length;
@@ -135,7 +138,7 @@ export function offset(walls, distance) {
  * @param {number} width */
 export function withOpening(sides, at, width) {
   if (!at) return sides;
-  const gap = (wall) => {
+  const gap = (/** @type {number[]} */ wall) => {
     const [u, v] = footOn(wall, at.x, at.y);
     return Math.hypot(u - at.x, v - at.y);
   };
@@ -149,6 +152,8 @@ export function withOpening(sides, at, width) {
 
 /** The part of a wall that an opening of a width takes about a place, kept within the wall.
  * @param {number[]} wall
+ * @param {number} along
+ * @param {number} width
  * @returns {[number, number]} */
 export function opening(wall, along, width) {
   const length = lengthOf(wall);

@@ -16,19 +16,6 @@ export class FaultsPage {
   constructor(root) {
     this.toggleTheme = startTheme(root);
     this.stage = new StillStage(root, { id: "pane", label: "What can be drawn of the scenario", picked: (place) => this.picked(place) });
-    this.build(root);
-    this.stage.selection.listen((selection) => (this.card.hidden = !selection.only));
-    this.listen();
-    this.connection = new Connection({
-      frame: () => {},
-      news: () => {},
-      open: () => this.follow(),
-      lost: (attempts) => this.tell(lostWords(attempts)),
-    });
-  }
-
-  /** @param {HTMLElement} root */
-  build(root) {
     this.file = h("span", { class: "file" });
     this.back = h("a", { class: "back", hidden: true }, "back to the simulation of the file as it was");
     this.count = h("h2", { id: "faults-title" }, "Faults");
@@ -40,6 +27,19 @@ export class FaultsPage {
     this.out = h("button", { class: "tool", "aria-label": "zoom out (−)", title: "zoom out (−)" }, "−");
     this.in = h("button", { class: "tool", "aria-label": "zoom in (+)", title: "zoom in (+)" }, "+");
     this.all = h("button", { class: "tool", "aria-label": "see all (0)", title: "see all (0)" }, "all");
+    this.build(root);
+    this.stage.selection.listen((selection) => (this.card.hidden = !selection.only));
+    this.listen();
+    this.connection = new Connection({
+      frame: () => {},
+      news: () => {},
+      open: () => this.follow(),
+      lost: (/** @type {number} */ attempts) => this.tell(lostWords(attempts)),
+    });
+  }
+
+  /** @param {HTMLElement} root */
+  build(root) {
     this.stage.pane.element.append(this.lack);
     root.replaceChildren(
       h(
@@ -80,6 +80,7 @@ export class FaultsPage {
     this.out.addEventListener("click", () => camera.zoom(1 / 1.3));
     this.in.addEventListener("click", () => camera.zoom(1.3));
     this.all.addEventListener("click", () => stage.fit());
+    /** @type {Record<string, (() => void) | undefined>} */
     const plain = {
       "+": () => camera.zoom(1.3),
       "=": () => camera.zoom(1.3),
@@ -92,6 +93,7 @@ export class FaultsPage {
       l: () => this.toggleTheme(),
       Escape: () => stage.selection.clear(),
     };
+    /** @type {Record<string, (() => void) | undefined>} */
     const shifted = {
       ArrowLeft: () => camera.pan(60, 0),
       ArrowRight: () => camera.pan(-60, 0),

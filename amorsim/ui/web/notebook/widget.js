@@ -27,11 +27,11 @@ function render({ model, el }) {
   frame.sandbox.add("allow-scripts", "allow-downloads");
   frame.title = "amorsim: the Simulator";
   frame.style.cssText = `display: block; width: 100%; height: ${model.get("height")}px; border: 1px solid #8884; resize: vertical; overflow: auto;`;
-  const tell = (message, transfer = []) => frame.contentWindow?.postMessage(message, "*", transfer);
+  const tell = (/** @type {object} */ message, /** @type {Transferable[]} */ transfer = []) => frame.contentWindow?.postMessage(message, "*", transfer);
 
   // The kernel may send the next frame once this one is here; of those that the page has no time for, the newest waits.
   let [undrawn, waiting] = [0, /** @type {ArrayBuffer | null} */ (null)];
-  const show = (buffer) => {
+  const show = (/** @type {ArrayBuffer} */ buffer) => {
     if (undrawn >= MOST_UNDRAWN) waiting = buffer;
     else {
       undrawn++;
@@ -39,7 +39,7 @@ function render({ model, el }) {
     }
   };
 
-  const fromPage = ({ source, data }) => {
+  const fromPage = (/** @type {MessageEvent} */ { source, data }) => {
     if (source !== frame.contentWindow || typeof data !== "object") return;
     if (data.drawn !== undefined) {
       undrawn = Math.max(0, undrawn - 1);
@@ -51,11 +51,11 @@ function render({ model, el }) {
     if (data.is === "open") tell({ dark: isDark() });
     model.send({ ...data, window: view });
   };
-  const fromKernel = (message, buffers) => {
+  const fromKernel = (/** @type {any} */ message, /** @type {DataView[]} */ buffers) => {
     if (message.frame) {
       model.send({ is: "received", window: view });
       const { buffer, byteOffset, byteLength } = buffers[0];
-      show(buffer.slice(byteOffset, byteOffset + byteLength)); // a copy: other views get the same
+      show(/** @type {ArrayBuffer} */ (buffer).slice(byteOffset, byteOffset + byteLength)); // a copy: other views get the same
     } else if (message.window === view) tell(message);
   };
   addEventListener("message", fromPage);

@@ -13,10 +13,14 @@ export class Camera {
     this.changed = () => {};
   }
 
+  /** @param {number} x
+   * @param {number} y */
   toScreen(x, y) {
     return [this.width / 2 + (x - this.x) * this.scale, this.height / 2 - (y - this.y) * this.scale];
   }
 
+  /** @param {number} left
+   * @param {number} top */
   toWorld(left, top) {
     return [this.x + (left - this.width / 2) / this.scale, this.y - (top - this.height / 2) / this.scale];
   }
@@ -33,12 +37,16 @@ export class Camera {
     return found;
   }
 
-  /** Put the world's metres on a canvas: after this, draw in metres with y upwards. */
+  /** Put the world's metres on a canvas: after this, draw in metres with y upwards.
+   * @param {CanvasRenderingContext2D} context
+   * @param {number} ratio */
   apply(context, ratio) {
     const k = this.scale * ratio;
     context.setTransform(k, 0, 0, -k, (ratio * this.width) / 2 - this.x * k, (ratio * this.height) / 2 + this.y * k);
   }
 
+  /** @param {number} width
+   * @param {number} height */
   resize(width, height) {
     this.width = width;
     this.height = height;
@@ -53,6 +61,8 @@ export class Camera {
     this.centre((x0 + x1) / 2, (y0 + y1) / 2);
   }
 
+  /** @param {number} x
+   * @param {number} y */
   centre(x, y) {
     if (!Number.isFinite(x) || !Number.isFinite(y)) return;
     this.x = x;
@@ -60,7 +70,8 @@ export class Camera {
     this.changed();
   }
 
-  /** Zoom by a factor; the world point under (left, top) stays where it is. */
+  /** Zoom by a factor; the world point under (left, top) stays where it is.
+   * @param {number} factor */
   zoom(factor, left = this.width / 2, top = this.height / 2) {
     const [x, y] = this.toWorld(left, top);
     this.scale = Math.min(NEAREST, Math.max(FARTHEST, this.scale * factor));
@@ -69,7 +80,9 @@ export class Camera {
     this.changed();
   }
 
-  /** Move what is seen by so many pixels. */
+  /** Move what is seen by so many pixels.
+   * @param {number} right
+   * @param {number} down */
   pan(right, down) {
     this.centre(this.x - right / this.scale, this.y + down / this.scale);
   }

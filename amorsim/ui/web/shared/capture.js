@@ -1,6 +1,6 @@
 // A picture, a GIF and a video of the view: the panes as they are drawn, side by side.
 
-import { context2d } from "./dom.js";
+import { context2d, there } from "./dom.js";
 
 const MOST_FRAMES = 300;
 const GIF_WIDTH = 900;
@@ -13,7 +13,9 @@ export const VIDEO = ["video/mp4;codecs=avc1.42E01F", "video/mp4", "video/webm"]
   globalThis.MediaRecorder?.isTypeSupported(kind),
 );
 
-/** The panes that are shown, side by side on one canvas, at most so many pixels wide. */
+/** The panes that are shown, side by side on one canvas, at most so many pixels wide.
+ * @param {HTMLCanvasElement[]} canvases
+ * @param {import("./theme.js").Theme} theme */
 export function compose(canvases, theme, widest = Infinity) {
   const shown = canvases.filter((canvas) => canvas.offsetParent !== null && canvas.width > 0);
   const gap = 8;
@@ -34,8 +36,11 @@ export function compose(canvases, theme, widest = Infinity) {
   return whole;
 }
 
-const blobOf = (canvas) => new Promise((done) => canvas.toBlob(done, "image/png"));
+/** @returns {Promise<Blob>} */
+const blobOf = (/** @type {HTMLCanvasElement} */ canvas) => new Promise((done) => canvas.toBlob((blob) => done(there(blob)), "image/png"));
 
+/** @param {Blob} blob
+ * @param {string} name */
 export function download(blob, name) {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(blob);
@@ -44,16 +49,22 @@ export function download(blob, name) {
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }
 
+/** @param {HTMLCanvasElement[]} canvases
+ * @param {import("./theme.js").Theme} theme
+ * @param {string} name */
 export async function savePicture(canvases, theme, name) {
   download(await blobOf(compose(canvases, theme)), `${name}.png`);
 }
 
 /** Records the view every `every` milliseconds until it is stopped or full; the server makes a GIF of it. */
 export class Film {
+  /** @param {HTMLCanvasElement[]} canvases
+   * @param {() => import("./theme.js").Theme} theme */
   constructor(canvases, theme, every = 100) {
     this.canvases = canvases;
     this.theme = theme;
     this.every = every;
+    /** @type {Promise<Blob>[]} */
     this.frames = [];
     this.last = -Infinity;
   }
@@ -62,7 +73,8 @@ export class Film {
     return this.frames.length >= MOST_FRAMES;
   }
 
-  /** Called after each drawing. */
+  /** Called after each drawing.
+   * @param {number} now */
   look(now) {
     if (this.isFull || now - this.last < this.every - 5) return;
     this.last = now;

@@ -1,11 +1,13 @@
 // Chains of noise in a form: their elements, which can be taken out, and drafts of elements that can be added.
 
-import { h, say } from "./dom.js";
+import { h, say, there } from "./dom.js";
 import { makeField } from "./fields.js";
 
 /**
  * `value` with another value at a path of keys and numbers; another `use` is another component, and has nothing else yet.
  * @param {string[]} path
+ * @param {any} value
+ * @param {any} given
  */
 function withValue(value, path, given) {
   const [key, ...rest] = path;
@@ -19,6 +21,7 @@ function withValue(value, path, given) {
  * `table` without what is at a path.
  * @param {Record<string, any>} table
  * @param {string[]} path
+ * @returns {Record<string, any>}
  */
 function without(table, path) {
   const [key, ...rest] = path;
@@ -29,7 +32,10 @@ function without(table, path) {
 
 /** A component that is not yet there: which it is, and the form of its fields. Nothing is set before it is added. */
 class Draft {
-  /** @param on `{add(table): promise of {ok, error}, choices(table): that of {ok, choices}, done()}` */
+  /** @param {string} label
+   * @param {any[]} choices
+   * @param {{add: (table: object) => Promise<any>, choices: (table: object) => Promise<any>, done: () => void}} on promises of
+   *   {ok, error}, and of {ok, choices} */
   constructor(label, choices, on) {
     this.choices = choices;
     this.on = on;
@@ -55,36 +61,40 @@ class Draft {
     this.table = { use: choice.name };
     say(this.about, choice.help);
     say(this.error, "");
-    const on = { set: (path, value) => this.set(path, value), restore: (path) => this.drop(path) };
-    this.made = new Map(choice.fields.map((parameter) => [parameter.path, makeField(parameter, on)]));
+    const on = { set: (/** @type {string} */ path, /** @type {any} */ value) => this.set(path, value), restore: (/** @type {string} */ path) => this.drop(path) };
+    this.made = new Map(choice.fields.map((/** @type {import("./field.js").Parameter} */ parameter) => [parameter.path, makeField(parameter, on)]));
     this.fields.replaceChildren(...[...this.made.values()].map((field) => field.element));
   }
 
+  /** @param {string} path
+   * @param {any} value */
   set(path, value) {
     const [key, ...rest] = path.split(".");
     const there = this.table && key in this.table ? this.table[key] : this.made?.get(key)?.parameter.value;
     return this.say({ ...this.table, [key]: rest.length ? withValue(there, rest, value) : value });
   }
 
-  /** Leave out what is said at a path, or in the component that it leads into. */
+  /** Leave out what is said at a path, or in the component that it leads into.
+   * @param {string} path */
   drop(path) {
     const table = without(this.table ?? {}, path.split("."));
     return this.say(table);
   }
 
-  /** Say another table, and show the form that it has: the fields follow the components that are chosen in it. */
+  /** Say another table, and show the form that it has: the fields follow the components that are chosen in it.
+   * @param {Record<string, any>} table */
   async say(table) {
     this.table = table;
     const said = await this.on.choices(table);
     if (said.ok && this.table === table) {
-      const { fields } = said.choices.find((one) => one.name === table.use);
+      const { fields } = said.choices.find((/** @type {{name: string}} */ one) => one.name === table.use);
       for (const field of fields) this.made?.get(field.path)?.update(field);
     }
     return said;
   }
 
   async add() {
-    const said = await this.on.add(this.table);
+    const said = await this.on.add(there(this.table));
     say(this.error, said.ok ? "" : said.error);
     if (said.ok) this.on.done();
   }
@@ -92,9 +102,9 @@ class Draft {
 
 /**
  * The rows of a chain: its elements with their fields, and a button that begins a draft.
- * @param chain a `ChainForm`
- * @param rows the elements of the fields of the element at a path
- * @param on `{noises(path, table), add(path, table), remove(path)}`, each a promise of {ok, error}
+ * @param {import("../simulator/wire.js").ChainForm} chain
+ * @param {(path: string) => HTMLElement[]} rows the elements of the fields of the element at a path
+ * @param {import("./field.js").FormOn} on
  */
 export function chainRows(chain, rows, on) {
   const name = chain.path.replace(/^sensors\.|\.noise$/g, "");
@@ -113,11 +123,11 @@ export function chainRows(chain, rows, on) {
   const place = h("div", { class: "adding" });
   const gone = chain.gone.length ? h("p", { class: "note" }, `taken out: ${chain.gone.join(", ")}`) : null;
   const begin = h("button", { class: "tool", "aria-label": `${name}: add noise` }, "add noise …");
-  const end = () => place.replaceChildren(...[begin, gone].filter(Boolean));
+  const end = () => place.replaceChildren(begin, ...(gone ? [gone] : []));
   begin.addEventListener("click", async () => {
     const said = await on.noises(chain.path);
     if (!said.ok) return;
-    const draft = new Draft(name, said.choices, { add: (table) => on.add(chain.path, table), choices: (table) => on.noises(chain.path, table), done: end });
+    const draft = new Draft(name, said.choices, { add: (/** @type {Record<string, any>} */ table) => on.add(chain.path, table), choices: (/** @type {Record<string, any>} */ table) => on.noises(chain.path, table), done: end });
     place.replaceChildren(draft.element);
     draft.select.focus();
   });
@@ -125,7 +135,9 @@ export function chainRows(chain, rows, on) {
   return [...elements.flat(), place];
 }
 
-/** A list of numbers that may be given an error. */
+/** A list of numbers that may be given an error.
+ * @param {import("../simulator/wire.js").TargetForm[]} targets
+ * @param {(path: string, value: any) => any} set */
 export function targetRows(targets, set) {
   if (!targets.length) return [];
   const select = h("select", { "aria-label": "number that is to have an error" }, targets.map(({ path, label }) => h("option", { value: path }, label)));

@@ -3,7 +3,10 @@
 import { h, there } from "./dom.js";
 import { startTour } from "./tour.js";
 
-/** A dialog with buttons; it is open, and gone once it is closed. */
+/** A dialog with buttons; it is open, and gone once it is closed.
+ * @param {string} title
+ * @param {HTMLElement} body
+ * @param {any[]} buttons */
 export function open(title, body, buttons) {
   const dialog = h("dialog", { "aria-label": title }, h("h2", {}, title), body, h("div", { class: "buttons" }, buttons));
   dialog.addEventListener("close", () => dialog.remove());
@@ -12,6 +15,8 @@ export function open(title, body, buttons) {
   return dialog;
 }
 
+/** @param {string} title
+ * @param {any[]} body */
 export function tell(title, ...body) {
   const close = h("button", { onclick: () => dialog.close() }, "close");
   const dialog = open(title, h("div", {}, body), [close]);
@@ -30,7 +35,12 @@ export function tellKeys(keys, tour) {
   const dialog = open("Keys", h("div", {}, h("table", { class: "keys" }, h("tbody", {}, rows))), [close, go]);
 }
 
-/** Ask for a name; `save(name)` gives `{ok, error}`, and the dialog stays until it is ok. */
+/** Ask for a name; `save(name)` gives `{ok, error}`, and the dialog stays until it is ok.
+ * @param {string} title
+ * @param {string} label
+ * @param {string} name
+ * @param {string} note
+ * @param {(name: string) => Promise<any>} save */
 export function askName(title, label, name, note, save) {
   const problem = h("p", { class: "error", role: "alert" });
   const input = h("input", { type: "text", value: name, id: "asked-name", autocomplete: "off", spellcheck: "false" });

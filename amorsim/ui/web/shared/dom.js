@@ -32,21 +32,26 @@ export function there(value) {
  * @param {CanvasRenderingContext2DSettings} [settings] */
 export const context2d = (canvas, settings) => there(canvas.getContext("2d", settings));
 
-/** A spot of a robot's colour. */
+/** A spot of a robot's colour.
+ * @param {string} colour */
 export function colourChip(colour) {
   const chip = h("span", { class: "chip", "aria-hidden": "true" });
   chip.style.background = colour;
   return chip;
 }
 
-/** Set an element's text where it differs: the DOM is left alone otherwise, which is what makes a table cheap. */
+/** Set an element's text where it differs: the DOM is left alone otherwise, which is what makes a table cheap.
+ * @param {Element} element
+ * @param {string} text */
 export function say(element, text) {
   if (element.textContent !== text) element.textContent = text;
 }
 
 const MINUS = "−";
 
-/** A number with so many decimals, and a true minus; "–" for none, "∞" for no return. */
+/** A number with so many decimals, and a true minus; "–" for none, "∞" for no return.
+ * @param {number | null | undefined} value
+ * @param {number} decimals */
 export function fixed(value, decimals) {
   if (value === null || value === undefined || Number.isNaN(value)) return "–";
   if (!Number.isFinite(value)) return value > 0 ? "∞" : MINUS + "∞";
@@ -54,19 +59,23 @@ export function fixed(value, decimals) {
   return value < 0 && Number(text) !== 0 ? MINUS + text : text;
 }
 
-/** The same with a sign in any case, for differences. */
+/** The same with a sign in any case, for differences.
+ * @param {number} value
+ * @param {number} decimals */
 export function signed(value, decimals) {
   const text = fixed(value, decimals);
   return value > 0 && Number.isFinite(value) && Number(text) !== 0 ? "+" + text : text;
 }
 
-/** A parameter's value in as few digits as tell it apart. */
+/** A parameter's value in as few digits as tell it apart.
+ * @param {any} value */
 export function brief(value) {
   if (typeof value !== "number") return String(value);
   return String(Number(value.toPrecision(6)));
 }
 
-/** "01:03.2" of seconds. */
+/** "01:03.2" of seconds.
+ * @param {number} seconds */
 export function clock(seconds) {
   const tenths = Math.round(seconds * 10);
   const minutes = Math.floor(tenths / 600);
@@ -74,13 +83,15 @@ export function clock(seconds) {
   return `${String(minutes).padStart(2, "0")}:${rest.padStart(4, "0")}`;
 }
 
-/** An angle in (-pi, pi]. */
+/** An angle in (-pi, pi].
+ * @param {number} angle */
 export function wrap(angle) {
   const turned = angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI));
   return turned <= -Math.PI ? turned + 2 * Math.PI : turned;
 }
 
-/** A step of 1, 2 or 5 times a power of ten that is at least `least`. */
+/** A step of 1, 2 or 5 times a power of ten that is at least `least`.
+ * @param {number} least */
 export function niceStep(least) {
   const power = 10 ** Math.floor(Math.log10(least));
   for (const factor of [1, 2, 5]) if (factor * power >= least * (1 - 1e-9)) return factor * power;

@@ -12,15 +12,18 @@ const MARKS = {
   own: ["", ""],
 };
 
-const pretty = (unit) => unit.replaceAll("^2", "²").replaceAll("^3", "³");
+const pretty = (/** @type {string} */ unit) => unit.replaceAll("^2", "²").replaceAll("^3", "³");
 
-/** A unit as it is shown, and the factor to it: angles in degrees. */
+/** A unit as it is shown, and the factor to it: angles in degrees.
+ * @param {string} unit
+ * @returns {[string, number]} */
 export function shown(unit) {
   if (/^rad(?![a-z])/.test(unit)) return [pretty(unit.replace(/^rad/, "°")), DEGREES];
   return [pretty(unit.replace(/^deg(?![a-z])/, "°")), 1];
 }
 
-/** The bounds of a number in words: "> 0 and ≤ 9 m". */
+/** The bounds of a number in words: "> 0 and ≤ 9 m".
+ * @param {any} bounds */
 export function limits({ low, high, is_open, unit }) {
   const [name, factor] = shown(unit ?? "");
   const parts = [];
@@ -29,18 +32,36 @@ export function limits({ low, high, is_open, unit }) {
   return parts.length ? `${parts.join(" and ")} ${name === "×" ? "" : name}`.trim() : "";
 }
 
-/** A typed number, or NaN. */
+/** A typed number, or NaN.
+ * @param {any} text */
 export function numberIn(text) {
   const plain = String(text).trim().replace("−", "-").replace(",", ".");
   return plain === "" ? NaN : Number(plain);
 }
 
+/**
+ * What a form shows of a value: a `FieldForm`, or a `ParameterForm` of a robot that runs; `grows` is false of a list whose length is set.
+ * @typedef {Pick<import("../simulator/wire.js").FieldForm, "path" | "label" | "help" | "value" | "widget" | "fixed">
+ *   & Partial<import("../simulator/wire.js").FieldForm> & Partial<import("../simulator/wire.js").ParameterForm> & {grows?: boolean}} Parameter
+ */
+
+/**
+ * Sets and restores values by path, in the form's units.
+ * @typedef {{ok: boolean, error: string}} Said
+ * @typedef {{set: (path: string, value: any) => Promise<Said>, restore: (path: string) => Promise<Said>}} On
+ * And, where noise can come and go, adds and removes elements of chains; `ask` has the manuals of components.
+ * @typedef {On & {ask: (command: object) => Promise<any>, noises: (path: string, table?: object) => Promise<any>,
+ *   add: (path: string, table: object) => Promise<Said>, remove: (path: string) => Promise<Said>}} FormOn
+ * @typedef {(parameter: Parameter, on: On) => Field} MakeField
+ */
+
 let serial = 0;
 
-/** @param parameter a `FieldForm` or `ParameterForm`; with `is_changed` where it is compared with a scenario */
-export const isChanged = (parameter) => parameter.is_changed ?? parameter.is_given;
+/** Whether a value is another than in the scenario, or is given at all where there is none to compare it with. */
+export const isChanged = (/** @type {Parameter} */ parameter) => parameter.is_changed ?? parameter.is_given;
 
-/** Which of the marks a field has. */
+/** Which of the marks a field has.
+ * @param {Parameter} parameter */
 export function stateOf(parameter) {
   if (parameter.fixed) return "fixed";
   if (isChanged(parameter)) return "changed";
@@ -51,16 +72,18 @@ export function stateOf(parameter) {
 
 /** What the marks mean, in a line. */
 export function marksInWords() {
-  const parts = ["changed", "drawn", "inherited", "fixed"].map((state) => h("span", {}, h("span", { class: "mark" }, MARKS[state][0]), MARKS[state][1]));
+  const parts = /** @type {const} */ (["changed", "drawn", "inherited", "fixed"]).map((state) => h("span", {}, h("span", { class: "mark" }, MARKS[state][0]), MARKS[state][1]));
   return h("p", { class: "legend-of-marks" }, parts);
 }
 
 export class Field {
   /**
-   * @param on `{set(path, value): promise of {ok, error}, restore(path): the same}`; values in the form's units
+   * @param {Parameter} parameter
+   * @param {On} on
    */
   constructor(parameter, on) {
     this.on = on;
+    this.parameter = parameter;
     this.path = parameter.path;
     this.id = `field-${++serial}`;
     this.error = h("p", { class: "error", role: "alert", id: `${this.id}-error` });
@@ -75,17 +98,20 @@ export class Field {
     this.element = h("div", { class: "field", "data-path": parameter.path, "data-kind": parameter.widget?.kind });
   }
 
-  /** The label of one control. */
+  /** The label of one control.
+   * @param {Parameter} parameter */
   label(parameter) {
     return h("label", { for: this.id, title: parameter.help }, this.mark, parameter.label);
   }
 
-  /** The name of a group of controls. */
+  /** The name of a group of controls.
+   * @param {Parameter} parameter */
   legend(parameter) {
     return h("span", { class: "legend", id: `${this.id}-legend`, title: parameter.help }, this.mark, parameter.label);
   }
 
-  /** Show a parameter, whose value may be another than before. */
+  /** Show a parameter, whose value may be another than before.
+   * @param {Parameter} parameter */
   update(parameter) {
     this.parameter = parameter;
     const state = stateOf(parameter);
@@ -104,6 +130,7 @@ export class Field {
     return false;
   }
 
+  /** @param {Parameter} parameter */
   words(parameter) {
     const parts = [parameter.help, limits({ ...parameter.widget, ...parameter }), parameter.fixed, ...this.more(parameter)];
     const state = stateOf(parameter);
@@ -112,17 +139,20 @@ export class Field {
     return parts.filter(Boolean).join("; ").replace(/\.;/g, ";");
   }
 
-  /** What else is to be said of a parameter. @returns {string[]} */
+  /** What else is to be said of a parameter. @returns {string[]}
+   * @param {Parameter} _parameter */
   more(_parameter) {
     return [];
   }
 
-  /** Show a parameter's value in the controls. */
+  /** Show a parameter's value in the controls.
+   * @param {Parameter} _parameter */
   put(_parameter) {
     this.fail("");
   }
 
-  /** Set a value; whether it is so now. */
+  /** Set a value; whether it is so now.
+   * @param {any} value */
   async give(value, path = this.path) {
     const said = await this.on.set(path, value);
     this.fail(said.ok ? "" : said.error);
@@ -139,6 +169,7 @@ export class Field {
     return [];
   }
 
+  /** @param {string} problem */
   fail(problem) {
     // The form says already whose parameter it is.
     say(this.error, problem.replace(/^(robot '[^']*', )?([\w.[\]]+: )+/, ""));

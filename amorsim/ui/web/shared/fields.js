@@ -1,6 +1,6 @@
 // The fields of forms by the kind of their widget (see `Widget` in amorsim/ui/forms/description.py).
 
-import { brief, h, say } from "./dom.js";
+import { brief, h, say, there } from "./dom.js";
 import { Field, numberIn, shown } from "./field.js";
 import { ListField } from "./list_field.js";
 import { ComponentField, EitherField, GroupField } from "./nested_fields.js";
@@ -8,6 +8,8 @@ import { NumberField } from "./number_field.js";
 
 /** True or false. */
 class FlagField extends Field {
+  /** @param {import("./field.js").Parameter} parameter
+   * @param {import("./field.js").On} on */
   constructor(parameter, on) {
     super(parameter, on);
     this.box = h("input", { id: this.id, type: "checkbox", "aria-describedby": this.described, onchange: () => this.give(this.box.checked) });
@@ -19,6 +21,7 @@ class FlagField extends Field {
     return [this.box];
   }
 
+  /** @param {import("./field.js").Parameter} parameter */
   put(parameter) {
     this.box.checked = parameter.value === true;
     this.box.disabled = Boolean(parameter.fixed);
@@ -28,6 +31,8 @@ class FlagField extends Field {
 
 /** One of some words: `choices`, or the names of what it refers to. */
 class ChoiceField extends Field {
+  /** @param {import("./field.js").Parameter} parameter
+   * @param {import("./field.js").On} on */
   constructor(parameter, on) {
     super(parameter, on);
     this.select = h("select", { id: this.id, "aria-describedby": this.described, onchange: () => this.give(this.select.value || null) });
@@ -39,6 +44,7 @@ class ChoiceField extends Field {
     return [this.select];
   }
 
+  /** @param {import("./field.js").Parameter} parameter */
   put(parameter) {
     const { choices = [], is_optional } = parameter.widget;
     const value = parameter.value ?? "";
@@ -56,6 +62,8 @@ class ChoiceField extends Field {
 
 /** A text, or the path of a file. */
 class TextField extends Field {
+  /** @param {import("./field.js").Parameter} parameter
+   * @param {import("./field.js").On} on */
   constructor(parameter, on) {
     super(parameter, on);
     this.text = h("input", {
@@ -68,7 +76,7 @@ class TextField extends Field {
       "aria-describedby": this.described,
       oninput: () => (this.isTyped = true),
       onchange: () => this.commit(),
-      onkeydown: ({ key }) => {
+      onkeydown: (/** @type {KeyboardEvent} */ { key }) => {
         if (key === "Escape") this.put(this.parameter);
         if (key === "Escape" || key === "Enter") this.text.blur();
       },
@@ -91,6 +99,7 @@ class TextField extends Field {
     this.isTyped = !(await this.give(value === "" && this.parameter.widget.is_optional ? null : value));
   }
 
+  /** @param {import("./field.js").Parameter} parameter */
   put(parameter) {
     this.isTyped = false;
     this.text.value = parameter.value ?? "";
@@ -99,10 +108,13 @@ class TextField extends Field {
   }
 }
 
+/** @type {Record<string, string[]>} */
 const DRAWN = { fixed: ["value"], normal: ["mean", "standard deviation"], uniform: ["low", "high"] };
 
 /** A number that is fixed, or drawn from a distribution. */
 class DistributionField extends Field {
+  /** @param {import("./field.js").Parameter} parameter
+   * @param {import("./field.js").On} on */
   constructor(parameter, on) {
     super(parameter, on);
     const [unit, factor] = shown(parameter.widget.unit ?? "");
@@ -132,6 +144,7 @@ class DistributionField extends Field {
     return this.numbers;
   }
 
+  /** @param {import("./field.js").Parameter} parameter */
   put(parameter) {
     this.isTyped = false;
     const { value } = parameter;
@@ -142,6 +155,7 @@ class DistributionField extends Field {
     super.put(parameter);
   }
 
+  /** @param {any[]} values */
   show(values) {
     const names = DRAWN[this.kind.value] ?? [];
     this.numbers.forEach((number, n) => {
@@ -175,6 +189,7 @@ class DistributionField extends Field {
   }
 }
 
+/** @type {Record<string, any>} */
 const KINDS = {
   number: NumberField,
   flag: FlagField,
@@ -194,21 +209,24 @@ const KINDS = {
 const NESTED = [ListField, GroupField, ComponentField, EitherField]; // which make the fields in them
 
 /** A part of an error without a mark of its own: the error has one. */
-const plainly = (part) => ({ ...part, is_given: false });
+const plainly = (/** @type {import("../simulator/wire.js").FieldForm} */ part) => ({ ...part, is_given: false });
 
-/** The parts of an error, of which each is fixed or drawn; all of them are set at once, and can be taken back. */
+/** The parts of an error, of which each is fixed or drawn; all of them are set at once, and can be taken back.
+ * @param {import("./field.js").Parameter} parameter
+ * @param {HTMLElement} element
+ * @param {import("./field.js").On} on */
 function errorParts(parameter, element, on) {
   const target = parameter.path.replace(/\.\w+$/, "");
   const values = () => Object.fromEntries(fields.map((field) => [field.name, field.parameter.value]));
-  const set = (path, value) => {
-    const name = path.split(".").at(-1);
+  const set = (/** @type {string} */ path, /** @type {any} */ value) => {
+    const name = there(path.split(".").at(-1));
     const all = /** @type {Record<string, any>} */ ({ ...values(), [name]: value });
     // What stands in place of the nominal value leaves nothing to be multiplied or added to.
     if (name === "value" && value !== null) [all.scale, all.add] = [1, 0];
     if ((name === "scale" || name === "add") && value !== null) all.value = null;
     return on.set(target, all);
   };
-  const fields = parameter.deviation.map((part) => {
+  const fields = (parameter.deviation ?? []).map((part) => {
     const field = makeField(plainly(part), { set, restore: on.restore });
     const name = part.path.split(".").at(-1);
     field.element.removeAttribute("data-path"); // which is that of the error's own field
@@ -222,7 +240,7 @@ function errorParts(parameter, element, on) {
   };
   const remove = h("button", { class: "tool remove", onclick: take }, "remove this error");
   element.append(...fields.map((field) => field.element), h("div", { class: "line" }, remove), error);
-  const update = ({ deviation }) => {
+  const update = (/** @type {import("./field.js").Parameter} */ { deviation = [] }) => {
     deviation.forEach((part, n) => fields[n].update(plainly(part)));
     remove.disabled = !deviation.some((part) => part.is_given);
   };
@@ -230,9 +248,11 @@ function errorParts(parameter, element, on) {
   return { update };
 }
 
-/** The field of a `FieldForm` or `ParameterForm`; its `element` shows it, its `update` takes another value. */
+/** The field of a `FieldForm` or `ParameterForm`; its `element` shows it, its `update` takes another value.
+ * @param {import("./field.js").Parameter} parameter
+ * @param {import("./field.js").On} on */
 export function makeField(parameter, on) {
   const Kind = KINDS[parameter.widget?.kind ?? "number"];
   if (NESTED.includes(Kind)) return new Kind(parameter, on, makeField);
-  return new Kind(parameter, on, (shown, element) => errorParts(shown, element, on));
+  return new Kind(parameter, on, (/** @type {import("./field.js").Parameter} */ shown, /** @type {HTMLElement} */ element) => errorParts(shown, element, on));
 }

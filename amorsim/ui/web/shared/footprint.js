@@ -1,6 +1,13 @@
 // Footprints of bodies: a circle or a polygon.
 
-/** Add a footprint at a pose to the current path. */
+import { there } from "./dom.js";
+
+/** Add a footprint at a pose to the current path.
+ * @param {CanvasRenderingContext2D} context
+ * @param {import("../simulator/wire.js").Outline} footprint
+ * @param {number} x
+ * @param {number} y
+ * @param {number} heading */
 export function trace(context, footprint, x, y, heading) {
   if (footprint.circle) {
     context.moveTo(x + footprint.circle, y);
@@ -10,7 +17,7 @@ export function trace(context, footprint, x, y, heading) {
   const c = Math.cos(heading);
   const s = Math.sin(heading);
   let first = true;
-  for (const [u, v] of footprint.polygon) {
+  for (const [u, v] of there(footprint.polygon)) {
     const px_ = x + u * c - v * s;
     const py_ = y + u * s + v * c;
     if (first) context.moveTo(px_, py_);
@@ -21,8 +28,8 @@ export function trace(context, footprint, x, y, heading) {
 }
 
 /** Half of how wide a footprint is. */
-export const waist = (footprint) => footprint.circle ?? Math.max(...footprint.polygon.map(([, v]) => Math.abs(v)));
+export const waist = (/** @type {import("../simulator/wire.js").Outline} */ footprint) => footprint.circle ?? Math.max(...there(footprint.polygon).map(([, v]) => Math.abs(v)));
 
 /** How far a footprint goes from its base point. */
-export const reach = (footprint) =>
-  footprint.circle ?? Math.max(...footprint.polygon.map(([u, v]) => Math.hypot(u, v)));
+export const reach = (/** @type {import("../simulator/wire.js").Outline | null} */ footprint) =>
+  there(footprint).circle ?? Math.max(...there(there(footprint).polygon).map(([u, v]) => Math.hypot(u, v)));

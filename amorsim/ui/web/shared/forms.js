@@ -9,6 +9,7 @@ import { manualButton } from "./manual.js";
 
 export { shown } from "./field.js";
 
+/** @type {Record<string, string>} */
 const KINDS = {
   systematic: "Systematic errors",
   noise: "Noise",
@@ -17,13 +18,17 @@ const KINDS = {
   estimator: "Estimator",
 };
 
-const NOTHING = { chains: [], targets: [] };
+/**
+ * @typedef {{chains?: import("../simulator/wire.js").ChainForm[], targets?: import("../simulator/wire.js").TargetForm[],
+ *   components?: Record<string, [string, string]>}} Parts chains and targets, and the kind and name of what a group is of, by the group
+ */
+
+/** @type {Parts} */
+const NOTHING = {};
 
 export class Form {
   /**
-   * @param on `{set(path, value), restore(path)}`, each a promise of {ok, error}; where noise can come and go also
-   *   `{noises(path, table), add(path, table), remove(path)}`, and `ask(command)` where there are manuals of
-   *   components. Values are in the form's units.
+   * @param {import("./field.js").FormOn} on
    */
   constructor(on) {
     this.on = on;
@@ -34,8 +39,7 @@ export class Form {
 
   /**
    * Show these fields; where they are the same ones as before only their values change.
-   * @param parts `chains`, list of `ChainForm`, `targets` that may be given an error, list of `TargetForm`, and
-   *   `components`, the kind and name of what a group is of, by the group
+   * @param {import("./field.js").Parameter[]} parameters
    */
   show(parameters, parts = NOTHING) {
     const { chains = [], targets = [], components = {} } = parts;
@@ -60,18 +64,22 @@ export class Form {
     return new Map([...groups].map((group) => [group.dataset.group, group.open]));
   }
 
+  /** @param {import("./field.js").Parameter[]} parameters
+   * @param {import("../simulator/wire.js").ChainForm[]} chains
+   * @param {import("../simulator/wire.js").TargetForm[]} targets
+   * @param {Record<string, [string, string]>} components */
   build(parameters, chains, targets, components) {
     const { opened } = this;
     this.fields.clear();
     const order = Object.keys(KINDS);
-    const kinds = new Set(parameters.map((p) => p.kind));
+    const kinds = new Set(parameters.map((p) => p.kind ?? ""));
     if (chains.length) kinds.add("noise");
     const sections = [...kinds].sort((a, b) => order.indexOf(a) - order.indexOf(b)).map((kind) => {
       const mine = parameters.filter((p) => p.kind === kind);
       const isChains = kind === "noise" && chains.length > 0;
       const groups = isChains ? chains.map((chain) => chain.group) : [...new Set(mine.map((p) => p.group))];
       const parts = groups.map((group, n) => {
-        const rows = isChains ? chainRows(chains[n], (path) => this.rows(mine.filter((p) => p.part === path || p.part.startsWith(`${path}.`))), this.on) : this.rows(mine.filter((p) => p.group === group));
+        const rows = isChains ? chainRows(chains[n], (path) => this.rows(mine.filter((p) => p.part === path || p.part?.startsWith(`${path}.`))), this.on) : this.rows(mine.filter((p) => p.group === group));
         if (group === undefined) return h("div", { class: "group" }, rows);
         const key = `${kind} ${group}`;
         const isOpen = opened.get(key) ?? (kind === "systematic" ? group === "drive" : kind === "noise" && groups.length < 2);
@@ -83,13 +91,15 @@ export class Form {
     this.element.replaceChildren(marksInWords(), ...sections);
   }
 
-  /** What a group of fields is of, with its manual. */
+  /** What a group of fields is of, with its manual.
+   * @param {[string, string] | undefined} component */
   about(component) {
     if (!component) return null;
     const [kind, name] = component;
     return h("p", { class: "about" }, manualButton(this.on.ask, kind, name, `? ${name}`));
   }
 
+  /** @param {import("./field.js").Parameter[]} parameters */
   rows(parameters) {
     return parameters.map((parameter) => {
       const field = makeField(parameter, this.on);
@@ -99,4 +109,4 @@ export class Form {
   }
 }
 
-const groupTitle = (group) => group.replace(/^sensors\./, "").replaceAll("_", " ").replaceAll(".", " · ");
+const groupTitle = (/** @type {string} */ group) => group.replace(/^sensors\./, "").replaceAll("_", " ").replaceAll(".", " · ");

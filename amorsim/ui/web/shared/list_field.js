@@ -1,11 +1,14 @@
 // A list in a form: of numbers or texts, of rows of numbers, or of tables with fields of their own.
 
-import { brief, h } from "./dom.js";
+import { brief, h, there } from "./dom.js";
 import { Field, numberIn, shown } from "./field.js";
 
 const MOST = 200; // items that are shown
 
 export class ListField extends Field {
+  /** @param {import("./field.js").Parameter} parameter
+   * @param {import("./field.js").On} on
+   * @param {import("./field.js").MakeField} makeField */
   constructor(parameter, on, makeField) {
     super(parameter, on);
     this.makeField = makeField;
@@ -58,40 +61,48 @@ export class ListField extends Field {
     return !fixed && grows !== false && (widget.length ?? null) === null;
   }
 
+  /** @param {import("./field.js").Parameter} parameter */
   put(parameter) {
     const { values } = this;
     this.shownCount = values.length;
     const legend = this.summary.firstChild;
-    legend.lastChild.textContent = `${parameter.label} (${values.length})`;
-    this.grow.hidden = !this.grows && (parameter.fixed || parameter.grows === false || values.length > 0);
+    there(there(legend).lastChild).textContent = `${parameter.label} (${values.length})`;
+    this.grow.hidden = !this.grows && Boolean(parameter.fixed || parameter.grows === false || values.length > 0);
     this.items.replaceChildren(...this.rows(parameter, values.slice(0, MOST)));
     if (values.length > MOST) this.items.append(h("p", { class: "note" }, `and ${values.length - MOST} more`));
     super.put(parameter);
   }
 
+  /** @param {import("./field.js").Parameter} parameter
+   * @param {any[]} values */
   rows(parameter, values) {
     if (this.kind === "forms") return values.map((value, n) => this.form(parameter, value, n));
     if (this.kind === "table") {
       const names = parameter.widget.columns.map((name) => h("span", {}, name));
       const head = h("div", { class: "row columns", "aria-hidden": "true" }, names, h("span", { class: "unit" }, this.unit));
-      return [head, ...values.map((row, n) => this.row(row.map((value, k) => this.cell(value, [n, k])), n))];
+      return [head, ...values.map((row, n) => this.row(row.map((/** @type {number} */ value, /** @type {number} */ k) => this.cell(value, [n, k])), n))];
     }
     return values.map((value, n) => this.row([this.cell(value, [n])], n));
   }
 
+  /** @param {any[]} cells
+   * @param {number} n */
   row(cells, n) {
     return h("div", { class: "row" }, cells, this.dropper(n));
   }
 
+  /** @param {number} n */
   dropper(n) {
     if (!this.grows) return null;
     const drop = () => this.give(this.values.filter((_, k) => k !== n));
     return h("button", { class: "back", "aria-label": `${this.parameter.label}: remove number ${n + 1}`, title: "remove", onclick: drop }, "×");
   }
 
+  /** @param {any} value
+   * @param {number[]} place */
   cell(value, place) {
     const { columns, item } = this.parameter.widget;
-    const name = columns?.[place.at(-1)] ?? "";
+    const name = columns?.[there(place.at(-1))] ?? "";
     const input = h("input", {
       type: "text",
       value: typeof value === "number" ? brief(value * this.factor) : String(value),
@@ -103,11 +114,14 @@ export class ListField extends Field {
         if (typeof said === "number" && !Number.isFinite(said)) this.fail("Expected a number.");
         else this.give(said, `${this.path}.${place.join(".")}`);
       },
-      onkeydown: ({ key }) => (key === "Enter" || key === "Escape") && input.blur(),
+      onkeydown: (/** @type {KeyboardEvent} */ { key }) => (key === "Enter" || key === "Escape") && input.blur(),
     });
     return input;
   }
 
+  /** @param {import("./field.js").Parameter} parameter
+   * @param {any} value
+   * @param {number} n */
   form(parameter, value, n) {
     const fields = parameter.widget.fields.map((field) =>
       this.makeField(

@@ -1,13 +1,17 @@
 // What is drawn in the world: each function draws one kind of thing, in metres, on a context that the camera has set.
 
-import { context2d } from "./dom.js";
+import { context2d, there } from "./dom.js";
 import { trace } from "./footprint.js";
 import { DASHES } from "./theme.js";
 
-/** A line width of so many CSS pixels, in metres. */
-const px = (camera, pixels) => pixels / camera.scale;
+/** As much of a camera as is drawn with: its pixels a metre. @typedef {{scale: number}} Scaled */
+/** @typedef {HTMLImageElement | HTMLCanvasElement} Picture */
 
-/** Walls as one path, made once a scene. */
+/** A line width of so many CSS pixels, in metres. */
+const px = (/** @type {Scaled} */ camera, /** @type {number} */ pixels) => pixels / camera.scale;
+
+/** Walls as one path, made once a scene.
+ * @param {import("../simulator/wire.js").MapShape | null | undefined} map */
 export function wallPath(map) {
   const path = new Path2D();
   for (const [x0, y0, x1, y1] of map?.segments ?? []) {
@@ -17,11 +21,17 @@ export function wallPath(map) {
   return path;
 }
 
-/** Draw a map: its lines, or its picture of cells, which has the wall's colour already. */
+/** Draw a map: its lines, or its picture of cells, which has the wall's colour already.
+ * @param {CanvasRenderingContext2D} context
+ * @param {Scaled} camera
+ * @param {import("../simulator/wire.js").MapShape | null | undefined} map
+ * @param {Path2D | undefined} path
+ * @param {Picture[] | null | undefined} levels
+ * @param {string} colour */
 export function drawMap(context, camera, map, path, levels, colour) {
   if (!map) return;
   if (levels) {
-    const [x0, y0, x1, y1] = map.image.extent;
+    const [x0, y0, x1, y1] = there(map.image).extent;
     context.save();
     context.translate(map.origin[0], map.origin[1]);
     context.rotate(map.origin[2]);
@@ -38,11 +48,13 @@ export function drawMap(context, camera, map, path, levels, colour) {
   context.lineWidth = Math.max(px(camera, 2), 0.001);
   context.lineCap = "square";
   context.setLineDash([]);
-  context.stroke(path);
+  context.stroke(there(path));
   context.lineCap = "butt";
 }
 
-/** A picture of occupied cells in a colour, and smaller ones of it: each half as wide, with walls as strong as before. */
+/** A picture of occupied cells in a colour, and smaller ones of it: each half as wide, with walls as strong as before.
+ * @param {Picture} picture
+ * @param {string} colour */
 export function tinted(picture, colour) {
   const levels = [coloured(picture, colour)];
   for (let last = levels[0]; last.width > 200; last = levels[levels.length - 1]) {
@@ -57,11 +69,13 @@ export function tinted(picture, colour) {
   return levels;
 }
 
-/** A picture with all that is opaque in a colour. */
+/** A picture with all that is opaque in a colour.
+ * @param {Picture} picture
+ * @param {string} colour */
 export function coloured(picture, colour) {
   const canvas = document.createElement("canvas");
-  canvas.width = picture.naturalWidth;
-  canvas.height = picture.naturalHeight;
+  canvas.width = "naturalWidth" in picture ? picture.naturalWidth : picture.width;
+  canvas.height = "naturalHeight" in picture ? picture.naturalHeight : picture.height;
   const context = context2d(canvas);
   context.drawImage(picture, 0, 0);
   context.globalCompositeOperation = "source-in";
@@ -70,6 +84,10 @@ export function coloured(picture, colour) {
   return canvas;
 }
 
+/** @param {CanvasRenderingContext2D} context
+ * @param {import("./camera.js").Camera} camera
+ * @param {number} step
+ * @param {string} colour */
 export function drawGrid(context, camera, step, colour) {
   const [x0, y0, x1, y1] = camera.bounds();
   context.beginPath();
@@ -88,10 +106,12 @@ export function drawGrid(context, camera, step, colour) {
 }
 
 /** What a body is filled with: its own colour, if it has one; where it is estimated to be, paler. */
-export const fillOf = (body, kind, theme, otherwise = theme[`${kind}-fill`]) =>
+export const fillOf = (/** @type {{colour?: string}} */ body, /** @type {string} */ kind, /** @type {import("./theme.js").Theme} */ theme, otherwise = theme[`${kind}-fill`]) =>
   body.colour ? `${body.colour}${kind === "true" ? "b0" : "60"}` : otherwise;
 
-/** Things in lists of those that have a key in common. */
+/** Things in lists of those that have a key in common.
+ * @param {number[]} things
+ * @param {(thing: number) => string | undefined} key */
 export function alikeBy(things, key) {
   const lists = new Map();
   for (const thing of things) {
@@ -102,7 +122,15 @@ export function alikeBy(things, key) {
   return [...lists.values()];
 }
 
-/** The selected robot: its footprint, wheels, and an arrow ahead. */
+/** The selected robot: its footprint, wheels, and an arrow ahead.
+ * @param {CanvasRenderingContext2D} context
+ * @param {Scaled} camera
+ * @param {import("./scene.js").Robot} robot
+ * @param {ArrayLike<number>} poses
+ * @param {number} i
+ * @param {string} kind
+ * @param {import("./theme.js").Theme} theme
+ * @param {boolean} alarm */
 export function drawRobot(context, camera, robot, poses, i, kind, theme, alarm) {
   const [x, y, heading] = [poses[3 * i], poses[3 * i + 1], poses[3 * i + 2]];
   if (!Number.isFinite(x) || !Number.isFinite(y)) return;
@@ -136,7 +164,11 @@ export function drawRobot(context, camera, robot, poses, i, kind, theme, alarm) 
   context.restore();
 }
 
-/** Markings and drops of the floor, and its zones: what lies under the walls. */
+/** Markings and drops of the floor, and its zones: what lies under the walls.
+ * @param {CanvasRenderingContext2D} context
+ * @param {Scaled} camera
+ * @param {import("../simulator/wire.js").Floor} floor
+ * @param {import("./theme.js").Theme} theme */
 export function drawFloor(context, camera, floor, theme) {
   for (const { points, width, colour } of floor.patches ?? []) {
     context.beginPath();
@@ -160,7 +192,11 @@ export function drawFloor(context, camera, floor, theme) {
   }
 }
 
-/** Lamps and landmarks, as they truly are. */
+/** Lamps and landmarks, as they truly are.
+ * @param {CanvasRenderingContext2D} context
+ * @param {Scaled} camera
+ * @param {import("../simulator/wire.js").Floor} floor
+ * @param {import("./theme.js").Theme} theme */
 export function drawStanding(context, camera, floor, theme) {
   for (const [x, y] of floor.lights) {
     const size = px(camera, 7);
@@ -177,7 +213,11 @@ export function drawStanding(context, camera, floor, theme) {
   drawMarks(context, camera, floor.landmarks, theme.wall);
 }
 
-/** Landmarks as diamonds: of the world, or those that a robot knows. */
+/** Landmarks as diamonds: of the world, or those that a robot knows.
+ * @param {CanvasRenderingContext2D} context
+ * @param {Scaled} camera
+ * @param {number[][]} marks
+ * @param {string} colour */
 export function drawMarks(context, camera, marks, colour) {
   context.beginPath();
   for (const [x, y, radius] of marks) {
@@ -193,7 +233,12 @@ export function drawMarks(context, camera, marks, colour) {
   context.stroke();
 }
 
-/** Obstacles and the parts of robots, where they truly are. */
+/** Obstacles and the parts of robots, where they truly are.
+ * @param {CanvasRenderingContext2D} context
+ * @param {Scaled} camera
+ * @param {import("../simulator/wire.js").ObstacleShape[]} obstacles
+ * @param {ArrayLike<number>} poses
+ * @param {import("./theme.js").Theme} theme */
 export function drawObstacles(context, camera, obstacles, poses, theme) {
   const places = obstacles.map((_, i) => i);
   for (const alike of alikeBy(places, (i) => `${obstacles[i].colour} ${Boolean(obstacles[i].part_of)}`)) {
@@ -208,11 +253,16 @@ export function drawObstacles(context, camera, obstacles, poses, theme) {
   }
 }
 
-/** The parts of the selected robot where it believes them to be; `poses` has three numbers for each. */
+/** The parts of the selected robot where it believes them to be; `poses` has three numbers for each.
+ * @param {CanvasRenderingContext2D} context
+ * @param {Scaled} camera
+ * @param {import("../simulator/wire.js").ObstacleShape[]} parts
+ * @param {ArrayLike<number>} poses
+ * @param {import("./theme.js").Theme} theme */
 export function drawBelievedParts(context, camera, parts, poses, theme) {
   context.beginPath();
   parts.forEach((part, i) => {
-    const [x, y, heading] = poses.subarray(3 * i, 3 * i + 3);
+    const [x, y, heading] = [poses[3 * i], poses[3 * i + 1], poses[3 * i + 2]];
     if (Number.isFinite(x + y + heading)) trace(context, part.footprint, x, y, heading);
   });
   context.fillStyle = fillOf(parts[0] ?? {}, "estimated", theme);
@@ -224,7 +274,12 @@ export function drawBelievedParts(context, camera, parts, poses, theme) {
   context.setLineDash([]);
 }
 
-/** The ellipse that holds the pose with 95 % (two degrees of freedom: 5.991), and the 95 % wedge of the heading. */
+/** The ellipse that holds the pose with 95 % (two degrees of freedom: 5.991), and the 95 % wedge of the heading.
+ * @param {CanvasRenderingContext2D} context
+ * @param {Scaled} camera
+ * @param {import("../simulator/mounts.js").Pose} pose
+ * @param {import("../simulator/mounts.js").Pose} covariance
+ * @param {import("./theme.js").Theme} theme */
 export function drawEllipse(context, camera, pose, covariance, theme) {
   const [xx, xy, , yy, , hh] = covariance;
   if (!covariance.every(Number.isFinite) || !(xx >= 0 && yy >= 0)) return;
@@ -254,7 +309,12 @@ export function drawEllipse(context, camera, pose, covariance, theme) {
   }
 }
 
-/** A path driven so far, from a ring of points (x0, y0, x1, y1, …); NaN lifts the pen. */
+/** A path driven so far, from a ring of points (x0, y0, x1, y1, …); NaN lifts the pen.
+ * @param {CanvasRenderingContext2D} context
+ * @param {Scaled} camera
+ * @param {import("../simulator/trail.js").Trail} trail
+ * @param {string} kind
+ * @param {import("./theme.js").Theme} theme */
 export function drawTrail(context, camera, trail, kind, theme) {
   if (trail.count < 2) return;
   context.beginPath();

@@ -6,10 +6,18 @@ const HIGH = 12; // pixels of a letter
 /**
  * Draw the names of robots at `poses`, in CSS pixels on the pane: that of the selected one bold, and of a crowd, or
  * where `alone`, no other. One robot that has no company needs no name.
+ * @param {CanvasRenderingContext2D} context
+ * @param {import("./camera.js").Camera} camera
+ * @param {import("./scene.js").Robot[]} robots
+ * @param {ArrayLike<number>} poses
+ * @param {number} selected
+ * @param {boolean} alone
+ * @param {import("./theme.js").Theme} theme
  */
 export function drawNames(context, camera, robots, poses, selected, alone, theme) {
   if (robots.length < 2) return;
   const others = alone || robots.length > MOST ? [] : robots.map((_, i) => i).filter((i) => i !== selected);
+  /** @type {number[][]} */
   const taken = [];
   context.lineJoin = "round";
   context.lineWidth = 3;
@@ -31,4 +39,4 @@ export function drawNames(context, camera, robots, poses, selected, alone, theme
   }
 }
 
-const overlap = (a, b) => a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3];
+const overlap = (/** @type {number[]} */ a, /** @type {number[]} */ b) => a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3];

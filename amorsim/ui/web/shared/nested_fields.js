@@ -5,6 +5,9 @@ import { Field } from "./field.js";
 
 /** A table with fields of its own. */
 export class GroupField extends Field {
+  /** @param {import("./field.js").Parameter} parameter
+   * @param {import("./field.js").On} on
+   * @param {import("./field.js").MakeField} makeField */
   constructor(parameter, on, makeField) {
     super(parameter, on);
     this.makeField = makeField;
@@ -18,6 +21,7 @@ export class GroupField extends Field {
     return this.fields.some((field) => field.isBusy);
   }
 
+  /** @param {import("./field.js").Parameter} parameter */
   update(parameter) {
     super.update(parameter);
     parameter.widget.fields.forEach((field, n) => this.fields[n].update({ ...field, fixed: parameter.fixed || field.fixed }));
@@ -35,11 +39,15 @@ export function shapeOf(fields) {
 
 /** A component, or none where that may be: which one it is, and the fields of its own, which may be components again. */
 export class ComponentField extends Field {
+  /** @param {import("./field.js").Parameter} parameter
+   * @param {import("./field.js").On} on
+   * @param {import("./field.js").MakeField} makeField */
   constructor(parameter, on, makeField) {
     super(parameter, on);
     this.makeField = makeField;
     /** @type {Field[]} */
     this.fields = [];
+    this.signature = "";
     this.select = h("select", { id: this.id, "aria-describedby": this.described, onchange: () => this.choose() });
     this.inner = h("div", { class: "inner", role: "group", "aria-label": parameter.label });
     this.element.append(h("div", { class: "line" }, this.label(parameter), this.select, this.back), this.help, this.error, this.inner);
@@ -61,6 +69,7 @@ export class ComponentField extends Field {
     if (!isSaid) this.select.value = this.used;
   }
 
+  /** @param {import("./field.js").Parameter} parameter */
   update(parameter) {
     const fields = parameter.widget.fields.map((field) => ({ ...field, fixed: parameter.fixed || field.fixed }));
     const signature = JSON.stringify(shapeOf(fields));
@@ -74,6 +83,7 @@ export class ComponentField extends Field {
     fields.forEach((field, n) => this.fields[n].update(field));
   }
 
+  /** @param {import("./field.js").Parameter} parameter */
   put(parameter) {
     const { choices, is_optional: isOptional } = parameter.widget;
     const all = [...new Set([...(this.used && !isOptional ? [] : [""]), ...choices, this.used])];
@@ -84,9 +94,14 @@ export class ComponentField extends Field {
   }
 }
 
+/** @type {Record<string, string>} */
 const WORDS = { number: "a number", flag: "yes or no", text: "a text", name: "a name", file: "a file", list: "numbers", forms: "tables" };
 
-/** What a kind of value is called. */
+/** Kinds that show a value, by its type. @type {Record<string, string[]>} */
+const SHOWN_BY = { number: ["number"], boolean: ["flag"], string: ["choice", "text", "name", "file"] };
+
+/** What a kind of value is called.
+ * @param {import("../simulator/wire.js").Widget} widget */
 function wordsOf({ kind, choices = [], frame }) {
   if (kind === "choice") return choices.length === 1 ? choices[0] : "a word";
   if (kind === "table") return frame ? "points" : "rows";
@@ -95,6 +110,9 @@ function wordsOf({ kind, choices = [], frame }) {
 
 /** What one of several kinds of value is shown by. */
 export class EitherField extends Field {
+  /** @param {import("./field.js").Parameter} parameter
+   * @param {import("./field.js").On} on
+   * @param {import("./field.js").MakeField} makeField */
   constructor(parameter, on, makeField) {
     super(parameter, on);
     this.makeField = makeField;
@@ -109,12 +127,14 @@ export class EitherField extends Field {
     this.update(parameter);
   }
 
-  /** Which option shows a value. */
+  /** Which option shows a value.
+   * @param {import("./field.js").Parameter} parameter */
   fitting({ value, widget }) {
-    const kinds = Array.isArray(value) ? ["list", "table", "forms"] : { number: ["number"], boolean: ["flag"], string: ["choice", "text", "name", "file"] }[typeof value] ?? [];
+    const kinds = Array.isArray(value) ? ["list", "table", "forms"] : SHOWN_BY[typeof value] ?? [];
     return Math.max(0, widget.options.findIndex((option) => kinds.includes(option.kind)));
   }
 
+  /** @param {number} n */
   turn(n) {
     this.chosen = n;
     const [option, { value }] = [this.parameter.widget.options[n], this.parameter];
@@ -123,14 +143,15 @@ export class EitherField extends Field {
   }
 
   get isBusy() {
-    return this.inner?.isBusy;
+    return Boolean(this.inner?.isBusy);
   }
 
+  /** @param {import("./field.js").Parameter} parameter */
   put(parameter) {
     const n = this.fitting(parameter);
     this.select.value = String(n);
     this.select.disabled = Boolean(parameter.fixed);
-    if (n === this.chosen) this.inner.update({ ...parameter, widget: parameter.widget.options[n] });
+    if (n === this.chosen) this.inner?.update({ ...parameter, widget: parameter.widget.options[n] });
     else this.turn(n);
     super.put(parameter);
   }

@@ -6,10 +6,15 @@ import { Field, numberIn, shown } from "./field.js";
 const KEYS_REST = 350; // milliseconds without a key after which a slider's value is set
 
 export class NumberField extends Field {
+  /** @param {import("./field.js").Parameter} parameter
+   * @param {import("./field.js").On} on
+   * @param {(parameter: import("./field.js").Parameter, element: HTMLElement) => {update(parameter: import("./field.js").Parameter): void}} drawnFields */
   constructor(parameter, on, drawnFields) {
     super(parameter, on);
     const [unit, factor] = shown(parameter.unit ?? parameter.widget.unit);
     this.factor = factor;
+    /** What is being set. @type {string | null} */
+    this.committing = null;
     this.isWhole = parameter.type ? parameter.type === "int" : parameter.widget.is_whole;
     this.number = h("input", {
       id: this.id,
@@ -19,7 +24,7 @@ export class NumberField extends Field {
       "aria-describedby": this.described,
       oninput: () => (this.isTyped = true),
       onchange: () => this.isTyped && this.commit(this.number.value),
-      onkeydown: (event) => this.key(event),
+      onkeydown: (/** @type {KeyboardEvent} */ event) => this.key(event),
     });
     this.slider = h("input", {
       type: "range",
@@ -42,7 +47,9 @@ export class NumberField extends Field {
     this.update(parameter);
   }
 
-  /** Of a systematic error: a button that opens the form of its parts, each fixed or drawn. */
+  /** Of a systematic error: a button that opens the form of its parts, each fixed or drawn.
+   * @param {import("./field.js").Parameter} parameter
+   * @param {(parameter: import("./field.js").Parameter, element: HTMLElement) => {update(parameter: import("./field.js").Parameter): void}} drawnFields */
   drawnPart(parameter, drawnFields) {
     if (!parameter.deviation?.length || !drawnFields) return null;
     const element = h("div", { class: "parts", id: `${this.id}-parts`, hidden: true });
@@ -67,6 +74,7 @@ export class NumberField extends Field {
     return part;
   }
 
+  /** @param {import("./field.js").Parameter} parameter */
   update(parameter) {
     const [from, to] = parameter.slider ?? [];
     if (this.hasSlider && to !== undefined) {
@@ -77,7 +85,7 @@ export class NumberField extends Field {
       const origin = parameter.scenario ?? parameter.value ?? parameter.drawn_value ?? null;
       const share = origin === null ? -1 : (origin - from) / (to - from);
       this.tick.hidden = !(share >= 0 && share <= 1);
-      this.tick.style.setProperty("--at", share);
+      this.tick.style.setProperty("--at", String(share));
     }
     this.number.disabled = this.slider.disabled = Boolean(parameter.fixed);
     super.update(parameter);
@@ -92,16 +100,17 @@ export class NumberField extends Field {
     return [this.number];
   }
 
+  /** @param {import("./field.js").Parameter} parameter */
   more(parameter) {
     const parts = [];
-    const known = typeof parameter.drawn_value === "number";
-    if (parameter.drawn) parts.push(`drawn from ${parameter.drawn}${known ? `: ${brief(parameter.drawn_value * this.factor)}` : ""}`);
+    if (parameter.drawn) parts.push(`drawn from ${parameter.drawn}${typeof parameter.drawn_value === "number" ? `: ${brief(parameter.drawn_value * this.factor)}` : ""}`);
     if (parameter.kind === "systematic" && typeof parameter.nominal === "number" && parameter.true !== null) {
       parts.push(`true ${brief(parameter.true)}, believed ${brief(parameter.nominal)}`);
     }
     return parts;
   }
 
+  /** @param {import("./field.js").Parameter} parameter */
   put(parameter) {
     this.isTyped = false;
     const { value } = parameter;
@@ -110,14 +119,15 @@ export class NumberField extends Field {
     this.number.placeholder = parameter.drawn ? drawn : parameter.widget?.is_optional ? "none" : "";
     // The slider of what is drawn stands at what was drawn, or else in its middle.
     if (this.hasSlider) {
-      const [from, to] = parameter.slider.length ? parameter.slider : [0, 0];
+      const [from, to] = parameter.slider?.length ? parameter.slider : [0, 0];
       this.slider.value = String((value ?? parameter.drawn_value ?? (from + to) / 2) * this.factor);
       this.slider.setAttribute("aria-valuetext", this.number.value || parameter.drawn || "none");
     }
     this.fail("");
   }
 
-  /** Enter sets what was typed and Escape lets it go; both give the keyboard back. What is wrong can be corrected. */
+  /** Enter sets what was typed and Escape lets it go; both give the keyboard back. What is wrong can be corrected.
+   * @param {KeyboardEvent} event */
   async key({ key }) {
     if (key === "Escape") this.put(this.parameter);
     if (key === "Enter" && this.isTyped && !(await this.commit(this.number.value))) return;
@@ -149,7 +159,8 @@ export class NumberField extends Field {
     this.slides = false;
   }
 
-  /** Set a value, once; whether it is so now. */
+  /** Set a value, once; whether it is so now.
+   * @param {string} text */
   async commit(text) {
     if (text === this.committing) return false;
     const isNone = this.parameter.widget?.is_optional && /^(none)?$/.test(String(text).trim());

@@ -22,7 +22,7 @@ export class Standing {
     this.index = new SpatialIndex(Math.max(x1 - x0, y1 - y0, 1e-3) / CELLS);
   }
 
-  /** @param {number[][]} segments
+  /** @param {number[][] | null | undefined} segments
    * @param {string} kind */
   addWalls(segments, kind) {
     segments?.forEach(([x0, y0, x1, y1], n) => {
@@ -64,9 +64,14 @@ export class Standing {
 const where = (/** @type {number} */ x, /** @type {number} */ y) => `${fixed(x, 3)}, ${fixed(y, 3)} m`;
 
 /** A pose in words. */
-export const at = (poses, i, metres = 3) =>
+export const at = (/** @type {ArrayLike<number>} */ poses, /** @type {number} */ i, metres = 3) =>
   `x ${fixed(poses[3 * i], metres)} m, y ${fixed(poses[3 * i + 1], metres)} m, heading ` +
   `${fixed((wrap(poses[3 * i + 2]) * 180) / Math.PI, 1)}°`;
+
+/**
+ * As much of a frame as is picked from.
+ * @typedef {{truePoses: ArrayLike<number>, estimatedPoses: ArrayLike<number>, obstacles: ArrayLike<number>, selected: number}} Bodies
+ */
 
 /** Finds what there truly is in a scene. */
 export class WorldPicker {
@@ -74,7 +79,7 @@ export class WorldPicker {
   scene = null;
   /** @type {Standing} */
   world;
-  /** @type {{frame: any, index: SpatialIndex} | null} */
+  /** @type {{frame: any, index: SpatialIndex<number>} | null} */
   bodies = null;
   farthest = 0; // the reach of any robot [m]
 
@@ -91,21 +96,28 @@ export class WorldPicker {
     this.world.addPoints(scene.floor.landmarks, "landmark");
     this.world.addPoints(scene.floor.lights, "lamp");
     this.bodies = null;
-    this.farthest = Math.max(0, ...scene.robots.map((robot) => robot.reach));
+    this.farthest = Math.max(0, ...scene.robots.map((/** @type {import("./scene.js").Robot} */ robot) => robot.reach));
   }
 
   /** Robots and obstacles by where they truly are in a frame.
-   * @returns {{frame: any, index: SpatialIndex}} */
+   * @param {Bodies} frame
+   * @returns {{frame: any, index: SpatialIndex<number>}} */
   bodiesOf(frame) {
     const had = this.bodies;
     if (had && had.frame === frame) return had;
     const index = new SpatialIndex(Math.max(2 * this.farthest, 0.1));
-    this.scene.robots.forEach((robot, i) => index.addDisc(i, frame.truePoses[3 * i], frame.truePoses[3 * i + 1], robot.reach));
+    this.scene.robots.forEach((/** @type {import("./scene.js").Robot} */ robot, /** @type {number} */ i) => index.addDisc(i, frame.truePoses[3 * i], frame.truePoses[3 * i + 1], robot.reach));
     const bodies = { frame, index };
     this.bodies = bodies;
     return bodies;
   }
 
+  /** @param {Bodies} frame
+   * @param {import("./world.js").View} view
+   * @param {number} x
+   * @param {number} y
+   * @param {number} near
+   * @param {number} part */
   nearestRobot(frame, view, x, y, near, part) {
     const poses = view === "true" ? frame.truePoses : frame.estimatedPoses;
     const candidates = view === "true" ? this.bodiesOf(frame).index.near(x, y, near) : [frame.selected];
@@ -122,6 +134,10 @@ export class WorldPicker {
     return best;
   }
 
+  /** @param {Bodies} frame
+   * @param {number} x
+   * @param {number} y
+   * @param {number} near */
   nearestObstacle(frame, x, y, near) {
     const { obstacles } = this.scene;
     for (let i = 0; i < obstacles.length; i++) {

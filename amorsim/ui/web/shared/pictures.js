@@ -16,9 +16,9 @@ export class Pictures {
     this.version = 0; // rises whenever maps look otherwise
     /** @type {Map<MapShape, Path2D>} */
     this.paths = new Map();
-    /** @type {Map<MapShape, {image: HTMLImageElement, shades: Map<string, CanvasImageSource[]>}>} */
+    /** @type {Map<MapShape, {image: HTMLImageElement, shades: Map<string, import("./marks.js").Picture[]>}>} */
     this.images = new Map();
-    /** Pictures of before, which are shown until the new ones have come. @type {Map<string, Map<string, CanvasImageSource[]>>} */
+    /** Pictures of before, which are shown until the new ones have come. @type {Map<string, Map<string, import("./marks.js").Picture[]>>} */
     this.former = new Map();
   }
 

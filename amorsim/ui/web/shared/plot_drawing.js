@@ -15,8 +15,8 @@ export function drawing({ curves: drawn, look: shown, range, zoom }, title) {
   const [curves, look] = [there(drawn), there(shown)];
   const { theme, unit } = look;
   const [from, to] = spanOf(curves, look, zoom);
-  const x = (time) => EDGES.left + ((time - from) / (to - from || 1)) * (WIDTH - EDGES.left - EDGES.right);
-  const y = (value) => HEIGHT - EDGES.bottom - ((value - range[0]) / (range[1] - range[0])) * (HEIGHT - EDGES.top - EDGES.bottom);
+  const x = (/** @type {number} */ time) => EDGES.left + ((time - from) / (to - from || 1)) * (WIDTH - EDGES.left - EDGES.right);
+  const y = (/** @type {number} */ value) => HEIGHT - EDGES.bottom - ((value - range[0]) / (range[1] - range[0])) * (HEIGHT - EDGES.top - EDGES.bottom);
   const lines = linesBetween(range[0], range[1], HEIGHT - EDGES.top);
   const moments = linesBetween(from, to, (WIDTH - EDGES.left) / 3);
   const parts = [
@@ -31,7 +31,7 @@ export function drawing({ curves: drawn, look: shown, range, zoom }, title) {
   if (curves.band) {
     const [low, high] = curves.band;
     const known = curves.times.map((_, n) => n).filter((n) => Number.isFinite(low[n]) && Number.isFinite(high[n]));
-    const edge = (column, places) => places.map((n) => `${round(x(curves.times[n]))} ${round(y(column[n]))}`).join("L");
+    const edge = (/** @type {number[]} */ column, /** @type {number[]} */ places) => places.map((n) => `${round(x(curves.times[n]))} ${round(y(column[n]))}`).join("L");
     if (known.length > 1) inside.push(`<path d="M${edge(low, known)}L${edge(high, [...known].reverse())}Z" fill="${theme["estimated-fill"]}"/>`);
   }
   for (const other of curves.others ?? []) inside.push(...all(other.times, other.values, 0.4));
@@ -40,6 +40,9 @@ export function drawing({ curves: drawn, look: shown, range, zoom }, title) {
   curves.curves.forEach((kind, n) => parts.push(text(WIDTH - EDGES.right - 90 * (curves.curves.length - 1 - n), 19, kind, theme[kind] ?? theme.ink, "end")));
   return `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 ${WIDTH} ${HEIGHT}" font-family="system-ui, sans-serif">${parts.join("")}</svg>\n`;
 
+  /** @param {number[]} times
+   * @param {number[][]} values
+   * @param {number} opacity */
   function all(times, values, opacity) {
     return values.map((column, n) => {
       const kind = curves.curves[n];
@@ -48,6 +51,8 @@ export function drawing({ curves: drawn, look: shown, range, zoom }, title) {
     });
   }
 
+  /** @param {number[]} times
+   * @param {number[]} column */
   function path(times, column) {
     let down = false;
     let drawn = "";
@@ -62,10 +67,16 @@ export function drawing({ curves: drawn, look: shown, range, zoom }, title) {
   }
 }
 
-const round = (value) => Math.round(value * 100) / 100;
+const round = (/** @type {number} */ value) => Math.round(value * 100) / 100;
 
+/** @type {Record<string, string>} */
 const ESCAPES = { "<": "&lt;", ">": "&gt;", "&": "&amp;", '"': "&quot;" };
 
+/** @param {number} x
+ * @param {number} y
+ * @param {string} words
+ * @param {string} colour
+ * @param {string} anchor */
 function text(x, y, words, colour, anchor, size = 11) {
   const safe = String(words).replace(/[<>&"]/g, (letter) => ESCAPES[letter]);
   return `<text x="${round(x)}" y="${round(y)}" fill="${colour}" text-anchor="${anchor}" font-size="${size}">${safe}</text>`;

@@ -4,6 +4,12 @@ const MOST = 9000;
 
 /** Samples of several curves over time, in bounded memory: when it is full, every other of the older half goes. */
 export class Series {
+  /** @type {number[]} */
+  times = [];
+  /** @type {number[][]} */
+  values = [];
+
+  /** @param {string[]} curves */
   constructor(curves) {
     this.curves = curves; // names of kinds: "true", "measured", "estimated", "difference"
     this.clear();
@@ -14,7 +20,9 @@ export class Series {
     this.values = this.curves.map(() => []);
   }
 
-  /** Add a sample; one earlier than the last cuts off what came after it. */
+  /** Add a sample; one earlier than the last cuts off what came after it.
+   * @param {number} time
+   * @param {ArrayLike<number | undefined>} values */
   add(time, values) {
     while (this.times.length && this.times[this.times.length - 1] > time - 1e-9) {
       this.times.pop();
@@ -23,7 +31,7 @@ export class Series {
     this.times.push(time);
     this.values.forEach((column, c) => column.push(values[c] ?? NaN));
     if (this.times.length <= MOST) return;
-    const keep = (_, i) => i > MOST / 2 || i % 2 === 0;
+    const keep = (/** @type {unknown} */ _, /** @type {number} */ i) => i > MOST / 2 || i % 2 === 0;
     this.times = this.times.filter(keep);
     this.values = this.values.map((column) => column.filter(keep));
   }

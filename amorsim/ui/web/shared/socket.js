@@ -21,8 +21,13 @@ export function lostWords(attempts, kept = "") {
   return kept ? `${words} ${kept}` : words;
 }
 
+/**
+ * What a window does with what it hears.
+ * @typedef {{frame: (buffer: ArrayBuffer) => void, news: (message: any) => void, open: () => void, lost: (attempts: number) => void}} Heard
+ */
+
 export class Connection {
-  /** @param on `{frame(buffer), news(message), open(), lost(attempts)}`
+  /** @param {Heard} on
    * @param {string} page whose session it talks with */
   constructor(on, page = location.pathname) {
     this.on = on;
@@ -78,7 +83,8 @@ export class Connection {
     return this.socket?.readyState === WebSocket.OPEN;
   }
 
-  /** Say a command; a promise of its answer, which always comes, `ok` false with an `error` where it failed. */
+  /** Say a command; a promise of its answer, which always comes, `ok` false with an `error` where it failed.
+   * @param {object} command */
   ask(command) {
     if (!this.isOpen) return Promise.resolve({ ok: false, error: "The connection is lost." });
     const id = this.next++;
@@ -88,7 +94,8 @@ export class Connection {
     });
   }
 
-  /** The frame of this number is drawn: the next may come. */
+  /** The frame of this number is drawn: the next may come.
+   * @param {number} number */
   drawn(number) {
     if (this.isOpen) this.socket?.send(JSON.stringify({ drawn: number }));
   }

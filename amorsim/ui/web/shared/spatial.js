@@ -2,7 +2,13 @@
 
 const HALF = 1 << 20;
 
-/** How far the point (x, y) is from the line from (x0, y0) to (x1, y1). */
+/** How far the point (x, y) is from the line from (x0, y0) to (x1, y1).
+ * @param {number} x
+ * @param {number} y
+ * @param {number} x0
+ * @param {number} y0
+ * @param {number} x1
+ * @param {number} y1 */
 export function gapToLine(x, y, x0, y0, x1, y1) {
   const [dx, dy] = [x1 - x0, y1 - y0];
   const length = dx * dx + dy * dy;

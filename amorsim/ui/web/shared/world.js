@@ -90,7 +90,7 @@ export class BodiesLayer extends SceneLayer {
 /** What is selected of one view, where it is not a robot or a reading, which show themselves. */
 export class SelectionLayer extends ViewLayer {
   get things() {
-    return this.stage.selection.things.filter((thing) => thing.view === this.view);
+    return this.stage.selection.things.filter((/** @type {import("./pick.js").Found} */ thing) => thing.view === this.view);
   }
 
   get isShown() {

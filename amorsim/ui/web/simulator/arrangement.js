@@ -1,15 +1,22 @@
 // How the panels are arranged: which stands in which slot, how large the slots are, and which panel is shown alone.
 
-import { h } from "../shared/dom.js";
+import { h, there } from "../shared/dom.js";
 import { keep, kept } from "../shared/storage.js";
 
 const PANEL = "application/x-amorsim-panel";
 const KEY = "amorsim-arrangement:";
 const STEP = 24; // pixels that an arrow key moves a divider
+/** Pixels that a key moves a divider. @type {Record<string, number>} */
+const STEPS = { ArrowLeft: -STEP, ArrowUp: -STEP, ArrowRight: STEP, ArrowDown: STEP };
 const LEAST = 40; // pixels of a slot that is not folded
+/** @type {Record<string, string>} */
 const NAMES = { first: "between the panes", second: "between numbers and plots", third: "between plots and events", row: "under the panes", column: "beside the panes" };
 
 /** @typedef {{shares: Record<string, number>, sizes: Record<string, number>, places: Record<string, string>}} Kept */
+
+/** The name of the slot that a panel is in.
+ * @param {HTMLElement} panel */
+const slotOf = (panel) => there(panel.parentElement).dataset.slot ?? "";
 
 export class Arrangement {
   /** @param {Record<string, HTMLElement[]>} panels those of each slot: two panes, three below, one beside
@@ -40,9 +47,9 @@ export class Arrangement {
    * @param {HTMLElement[]} inside */
   slot(name, inside) {
     const slot = h("div", { class: "slot", "data-slot": name }, inside);
-    slot.addEventListener("dragover", (event) => event.dataTransfer.types.includes(PANEL) && event.preventDefault());
+    slot.addEventListener("dragover", (event) => there(event.dataTransfer).types.includes(PANEL) && event.preventDefault());
     slot.addEventListener("drop", (event) => {
-      const from = event.dataTransfer.getData(PANEL);
+      const from = there(event.dataTransfer).getData(PANEL);
       if (!from) return;
       event.preventDefault();
       this.swap(from, name);
@@ -51,9 +58,10 @@ export class Arrangement {
     return slot;
   }
 
-  /** A panel is dragged by its title, or by the button next to it, which shows the panel alone. */
+  /** A panel is dragged by its title, or by the button next to it, which shows the panel alone.
+   * @param {HTMLElement} panel */
   giveTitle(panel) {
-    const title = panel.querySelector(`#${panel.getAttribute("aria-labelledby")}`);
+    const title = /** @type {HTMLElement} */ (panel.querySelector(`#${panel.getAttribute("aria-labelledby")}`));
     const name = panel.classList[1];
     const button = h("button", { class: "tool alone", "aria-label": `${name} alone`, title: "this panel alone (or a double click on its title); drag it onto another panel: the two change places", "aria-pressed": "false" }, "⤢");
     button.addEventListener("click", () => this.showAlone(panel, button));
@@ -61,13 +69,15 @@ export class Arrangement {
     title.title = "drag it onto another panel: the two change places";
     for (const handle of [title, button]) {
       handle.draggable = true;
-      handle.addEventListener("dragstart", (event) => event.dataTransfer.setData(PANEL, panel.parentElement.dataset.slot));
+      handle.addEventListener("dragstart", (event) => there(event.dataTransfer).setData(PANEL, slotOf(panel)));
     }
     title.after(button);
   }
 
+  /** @param {HTMLElement} panel
+   * @param {HTMLElement} button */
   showAlone(panel, button) {
-    const slot = panel.parentElement;
+    const slot = there(panel.parentElement);
     const isAlone = !slot.classList.contains("solo");
     this.showAll();
     slot.classList.toggle("solo", isAlone);
@@ -93,12 +103,15 @@ export class Arrangement {
 
   // ---------------------------------------------------------------------------------------------------------- dividers
 
-  /** A line between two neighbours of a row, which moves the border between them. */
+  /** A line between two neighbours of a row, which moves the border between them.
+   * @param {string} name
+   * @param {HTMLElement} before
+   * @param {() => HTMLElement} after */
   divider(name, before, after) {
     const widths = () => [before.clientWidth, after().clientWidth];
     const divider = this.line(name, "vertical", {
       begin: widths,
-      move: ([one, other], by) => {
+      move: (/** @type {number[]} */ [one, other], /** @type {number} */ by) => {
         const moved = Math.min(Math.max(one + by, 0), one + other);
         const [a, b] = [moved, one + other - moved].map((width) => (width < LEAST ? 0 : width));
         this.share(before, a || one + other - b);
@@ -112,21 +125,27 @@ export class Arrangement {
     return divider;
   }
 
-  /** How much of its row a slot gets, beside the others; null for what it had at first. */
+  /** How much of its row a slot gets, beside the others; null for what it had at first.
+   * @param {HTMLElement} slot
+   * @param {number | null} pixels */
   share(slot, pixels) {
-    const { slot: name } = slot.dataset;
-    // The others of its row must be in pixels as well.
-    for (const other of slot.parentElement.querySelectorAll(":scope > .slot")) {
-      const known = other.dataset.slot in this.kept.shares;
-      if (pixels !== null && !known) this.kept.shares[other.dataset.slot] = other.clientWidth;
-    }
+    const { shares } = this.kept;
+    const row = /** @type {NodeListOf<HTMLElement>} */ (there(slot.parentElement).querySelectorAll(":scope > .slot"));
+    const names = Array.from(row, (other) => other.dataset.slot ?? "");
     if (pixels === null) {
-      for (const other of slot.parentElement.querySelectorAll(":scope > .slot")) delete this.kept.shares[other.dataset.slot];
-    } else this.kept.shares[name] = Math.round(pixels);
+      for (const name of names) delete shares[name];
+    } else {
+      // The others of its row must be in pixels as well.
+      row.forEach((other, n) => shares[names[n]] ??= other.clientWidth);
+      shares[slot.dataset.slot ?? ""] = Math.round(pixels);
+    }
     this.apply();
   }
 
-  /** A line beside the panes or under them, which gives what lies beyond it another size. */
+  /** A line beside the panes or under them, which gives what lies beyond it another size.
+   * @param {string} name
+   * @param {string} beyond
+   * @returns {HTMLElement} */
   edge(name, beyond) {
     const isRow = name === "row";
     const target = () => (isRow ? this.bottom : this.slots.side);
@@ -134,7 +153,7 @@ export class Arrangement {
     const whole = () => (isRow ? this.element.clientHeight : this.element.clientWidth);
     return this.line(name, isRow ? "horizontal" : "vertical", {
       begin: size,
-      move: (began, by) => {
+      move: (/** @type {number} */ began, /** @type {number} */ by) => {
         const wanted = Math.min(Math.max(began - by, 0), whole() - 120);
         this.kept.sizes[beyond] = wanted < LEAST ? 0 : Math.round(wanted);
         this.apply();
@@ -147,6 +166,9 @@ export class Arrangement {
     });
   }
 
+  /** @param {string} name
+   * @param {string} orientation
+   * @param {{begin: () => any, move: (began: any, by: number) => void, value: () => number, reset: () => void}} does */
   line(name, orientation, { begin, move, value, reset }) {
     const line = h("div", {
       class: `divider ${name}`,
@@ -156,8 +178,9 @@ export class Arrangement {
       "aria-label": `border ${NAMES[name]}`,
       title: "drag to resize; a double click resets it",
     });
-    const along = (event) => (orientation === "vertical" ? event.clientX : event.clientY);
+    const along = (/** @type {PointerEvent} */ event) => (orientation === "vertical" ? event.clientX : event.clientY);
     const say = () => line.setAttribute("aria-valuenow", String(value()));
+    /** @type {{at: number, began: any} | null} */
     let from = null;
     line.addEventListener("pointerdown", (event) => {
       event.preventDefault(); // no text is selected and dragged
@@ -177,7 +200,7 @@ export class Arrangement {
       this.keep();
     });
     line.addEventListener("keydown", (event) => {
-      const by = { ArrowLeft: -STEP, ArrowUp: -STEP, ArrowRight: STEP, ArrowDown: STEP }[event.key];
+      const by = STEPS[event.key];
       if (event.key === "Enter") reset();
       else if (by) move(begin(), by);
       else return;
@@ -211,7 +234,7 @@ export class Arrangement {
     this.kept = this.atFirst();
     try {
       const found = JSON.parse(kept(this.key) ?? "{}");
-      for (const part of ["shares", "sizes"]) {
+      for (const part of /** @type {const} */ (["shares", "sizes"])) {
         for (const [name, size] of Object.entries(found[part] ?? {})) if (Number.isFinite(size)) this.kept[part][name] = size;
       }
       const names = Object.keys(this.slots);

@@ -1,6 +1,6 @@
 // What is known of the robot that is looked at, asked for again and again: its parts, each with a switch.
 
-import { h } from "../shared/dom.js";
+import { h, there } from "../shared/dom.js";
 
 /**
  * @template Found
@@ -18,6 +18,7 @@ export class Asked {
     this.nothing = nothing;
     this.found = nothing;
     this.key = "";
+    this.robot = -1;
     this.names = switches.map(([name]) => name);
     this.element = h("div", { class: "tools", role: "group", "aria-label": label, hidden: true });
     /** @type {Record<string, boolean>} */
@@ -31,9 +32,10 @@ export class Asked {
     setInterval(() => this.look(), every);
   }
 
+  /** @param {string} name */
   toggle(name) {
     this.shows[name] = !this.shows[name];
-    this.buttons.get(name).setAttribute("aria-pressed", String(this.shows[name]));
+    there(this.buttons.get(name)).setAttribute("aria-pressed", String(this.shows[name]));
     this.changed();
   }
 
@@ -82,7 +84,7 @@ export class Asked {
   /** @param {Found} found */
   set(found) {
     this.found = found;
-    const shown = this.names.filter((name) => this.has(name)).map((name) => this.buttons.get(name));
+    const shown = this.names.filter((name) => this.has(name)).map((name) => there(this.buttons.get(name)));
     if (shown.length !== this.element.childElementCount) this.element.replaceChildren(...shown);
     this.element.hidden = !shown.length;
     this.changed();

@@ -7,6 +7,10 @@ import { mountPoses } from "./mounts.js";
 /**
  * The beams of a range sensor: `visit(i, x, y, angle, range, met)`; a reading of infinity reaches `range_max` and one
  * of minus infinity nowhere, both with `met` false; one that is not a number is left out.
+ * @param {import("./readings.js").Shape} sensor
+ * @param {import("./mounts.js").Pose} pose
+ * @param {ArrayLike<number>} values
+ * @param {(i: number, x: number, y: number, angle: number, range: number, met: boolean) => void} visit
  */
 export function eachBeam(sensor, pose, values, visit) {
   const mounts = mountPoses(sensor, pose);
@@ -22,6 +26,10 @@ export function eachBeam(sensor, pose, values, visit) {
   }
 }
 
+/** @param {import("./readings.js").ReadingBrush} brush
+ * @param {import("./readings.js").Shape} sensor
+ * @param {import("./mounts.js").Pose} pose
+ * @param {ArrayLike<number>} values */
 function drawCones({ context, camera, theme, kind }, sensor, pose, values) {
   const half = sensor.half_angle;
   context.beginPath();
@@ -45,6 +53,10 @@ function drawCones({ context, camera, theme, kind }, sensor, pose, values) {
   context.stroke();
 }
 
+/** @param {import("./readings.js").ReadingBrush} brush
+ * @param {import("./readings.js").Shape} sensor
+ * @param {import("./mounts.js").Pose} pose
+ * @param {ArrayLike<number>} values */
 function drawScan({ context, camera, theme, kind }, sensor, pose, values) {
   const dot = (kind === "true" ? 1.2 : 1.7) / camera.scale;
   const isWide = values.length > 1;
@@ -76,7 +88,14 @@ function drawScan({ context, camera, theme, kind }, sensor, pose, values) {
   context.fill();
 }
 
+/** @param {import("./readings.js").Shape} sensor
+ * @param {import("./mounts.js").Pose} pose
+ * @param {ArrayLike<number>} values
+ * @param {number} x
+ * @param {number} y
+ * @param {number} reach */
 function near(sensor, pose, values, x, y, reach) {
+  /** @type {import("./readings.js").Part | null} */
   let best = null;
   eachBeam(sensor, pose, values, (i, x0, y0, angle, range, met) => {
     const [x1, y1] = [x0 + range * Math.cos(angle), y0 + range * Math.sin(angle)];
@@ -87,6 +106,9 @@ function near(sensor, pose, values, x, y, reach) {
   return best;
 }
 
+/** @param {import("./readings.js").Shape} sensor
+ * @param {import("./readings.js").Reading} reading
+ * @param {import("./readings.js").Part} part */
 function tell(sensor, reading, { i, angle }) {
   const m = reading.measured[i];
   return {
@@ -99,7 +121,11 @@ function tell(sensor, reading, { i, angle }) {
   };
 }
 
-/** What is true and what is measured of a value, and the difference. */
+/** What is true and what is measured of a value, and the difference.
+ * @param {number} t
+ * @param {number} m
+ * @param {string} unit
+ * @param {number} decimals */
 export function bothOf(t, m, unit, decimals) {
   const parted = Number.isFinite(t) && Number.isFinite(m) ? `, apart ${fixed(m - t, decimals)} ${unit}` : "";
   return `true ${fixed(t, decimals)} ${unit}, measured ${fixed(m, decimals)} ${unit}${parted}`;

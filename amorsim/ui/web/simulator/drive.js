@@ -1,8 +1,9 @@
 // Driving by hand: keys and buttons held down make a twist, let go they stop; what a drive cannot do has no key.
 // Below, each channel of the drive's own command as a slider.
 
-import { brief, h, say } from "../shared/dom.js";
+import { brief, h, say, there } from "../shared/dom.js";
 
+/** @type {Record<string, string>} */
 const KEYS = {
   ArrowUp: "ahead", KeyW: "ahead", ArrowDown: "back", KeyS: "back", ArrowLeft: "left", KeyA: "left",
   ArrowRight: "right", KeyD: "right", KeyQ: "slideLeft", KeyE: "slideRight",
@@ -15,15 +16,17 @@ const BUTTONS = [
 
 const DIZZY = 3; // rad/s: faster nobody steers by hand
 
-/** Whether keys typed here are meant for something else than driving. */
+/** Whether keys typed here are meant for something else than driving.
+ * @param {EventTarget | null} element */
 export function takesKeys(element) {
-  if (!element) return false;
+  if (!(element instanceof HTMLElement)) return false;
   if (element.isContentEditable || ["INPUT", "SELECT", "TEXTAREA"].includes(element.tagName)) return true;
-  return Boolean(element.closest?.("dialog"));
+  return Boolean(element.closest("dialog"));
 }
 
 export class Driving {
-  /** @param ask says a command of the protocol and shows what went wrong */
+  /** @param {(command: any) => Promise<any>} ask sends a command of the protocol and shows what went wrong
+   * @param {(text: string) => void} hint */
   constructor(ask, hint) {
     this.ask = ask;
     this.hint = hint;
@@ -52,6 +55,9 @@ export class Driving {
     this.listen();
   }
 
+  /** @param {string} name
+   * @param {string} label
+   * @param {string} sign */
   button(name, label, sign) {
     const held = h("button", { class: `drive-${name}`, "aria-label": label, title: label }, sign);
     if (name === "stop") {
@@ -99,11 +105,12 @@ export class Driving {
     document.addEventListener("focusin", (event) => takesKeys(event.target) && event.target !== this.pace && letGo());
   }
 
+  /** @param {import("../shared/scene.js").Robot} robot */
   setRobot(robot) {
     if (this.held.size) this.stop();
     this.robot = robot;
     const [, left] = robot.twist;
-    for (const name of ["slideLeft", "slideRight"]) this.buttons.get(name).hidden = !(left > 0);
+    for (const name of ["slideLeft", "slideRight"]) there(this.buttons.get(name)).hidden = !(left > 0);
     this.sayPace();
     const values = robot.channels.map(() => 0);
     this.sliders = robot.channels.map((channel, c) => {
@@ -119,7 +126,7 @@ export class Driving {
         oninput: () => {
           values[c] = Number(slider.value);
           say(said, `${brief(Math.round(values[c] * factor * 10) / 10)} ${unit}`);
-          this.ask({ do: "command", robot: this.robot.name, channels: [...values] });
+          this.ask({ do: "command", robot: there(this.robot).name, channels: [...values] });
         },
       });
       const zero = () => {
@@ -137,6 +144,7 @@ export class Driving {
     if (this.robot) say(this.paceSaid, `${(this.share * this.robot.twist[0]).toFixed(2)} m/s`);
   }
 
+  /** @param {boolean} isByHand */
   setByHand(isByHand) {
     this.isByHand = isByHand;
     this.switch.setAttribute("aria-pressed", String(isByHand));
@@ -149,16 +157,18 @@ export class Driving {
   async toggle() {
     if (!this.robot || this.isOff) return;
     const to = this.isByHand ? "controller" : "hand";
-    const said = await this.ask({ do: "hand_over", robot: this.robot.name, to });
+    const said = await this.ask({ do: "hand_over", robot: there(this.robot).name, to });
     if (said.ok) this.setByHand(to === "hand");
   }
 
+  /** @param {string} name */
   press(name) {
     if (!this.isByHand || this.held.has(name)) return;
     this.held.add(name);
     this.send();
   }
 
+  /** @param {string} name */
   release(name) {
     if (this.held.delete(name)) this.send();
   }
@@ -167,19 +177,19 @@ export class Driving {
     this.held.clear();
     this.sliders?.forEach((channel) => channel.zero());
     this.showHeld();
-    return this.ask({ do: "stop", robot: this.robot.name });
+    return this.ask({ do: "stop", robot: there(this.robot).name });
   }
 
   send() {
     this.showHeld();
     if (!this.held.size) return this.stop();
-    const [forward, left, fastest] = this.robot.twist;
+    const [forward, left, fastest] = there(this.robot).twist;
     const turn = Math.min(fastest, DIZZY);
-    const both = (a, b) => (this.held.has(a) ? 1 : 0) - (this.held.has(b) ? 1 : 0);
+    const both = (/** @type {string} */ a, /** @type {string} */ b) => (this.held.has(a) ? 1 : 0) - (this.held.has(b) ? 1 : 0);
     const back = both("ahead", "back") < 0;
     return this.ask({
       do: "drive",
-      robot: this.robot.name,
+      robot: there(this.robot).name,
       forward: this.share * forward * both("ahead", "back"),
       left: this.share * left * both("slideLeft", "slideRight"),
       // A car that backs turns its nose the other way: so does everybody who reverses with the wheel held left.

@@ -5,11 +5,12 @@ import { h } from "../shared/dom.js";
 const MOST = 300; // shown at once
 
 export class Events {
-  /** @param on `{go(event), stack(event)}` */
+  /** @param {HTMLElement} list
+   * @param {{go: (event: import("./wire.js").EventLine) => void, stack: (event: import("./wire.js").EventLine) => void}} on */
   constructor(list, on) {
     this.list = list;
     this.on = on;
-    this.clear();
+    this.next = 0; // the number of the last one
   }
 
   clear() {
@@ -17,7 +18,8 @@ export class Events {
     this.list.replaceChildren();
   }
 
-  /** Add events, in their order. */
+  /** Add events, in their order.
+   * @param {import("./wire.js").EventLine[]} events */
   add(events) {
     for (const event of events) {
       if (event.number <= this.next) continue;
@@ -33,6 +35,6 @@ export class Events {
       const stack = event.stack ? h("button", { class: "quiet", onclick: () => this.on.stack(event) }, "stack") : null;
       this.list.prepend(h("li", {}, go, stack));
     }
-    while (this.list.children.length > MOST) this.list.lastChild.remove();
+    while (this.list.children.length > MOST) this.list.lastChild?.remove();
   }
 }

@@ -8,17 +8,27 @@ import { DASHES } from "../shared/theme.js";
 const ARM = 9; // pixels of a cross
 const NEEDLE = 44; // pixels
 
-const degrees = (angle) => fixed((wrap(angle) * 180) / Math.PI, 2);
+const degrees = (/** @type {number} */ angle) => fixed((wrap(angle) * 180) / Math.PI, 2);
 
 // -------------------------------------------------------------------------------------------------------- contacts
 
-/** The lines of each segment of a bumper: `visit(i, x0, y0, x1, y1)`. */
+/** The lines of each segment of a bumper: `visit(i, x0, y0, x1, y1)`.
+ * @param {import("./readings.js").Shape} sensor
+ * @param {import("./mounts.js").Pose} pose
+ * @param {(i: number, x0: number, y0: number, x1: number, y1: number) => void} visit */
 function eachLine(sensor, pose, visit) {
   sensor.drawing.lines.forEach((lines, i) => {
-    for (const [u0, v0, u1, v1] of lines) visit(i, ...toWorld(pose, u0, v0), ...toWorld(pose, u1, v1));
+    for (const [u0, v0, u1, v1] of lines) {
+      const [[x0, y0], [x1, y1]] = [toWorld(pose, u0, v0), toWorld(pose, u1, v1)];
+      visit(i, x0, y0, x1, y1);
+    }
   });
 }
 
+/** @param {import("./readings.js").ReadingBrush} brush
+ * @param {import("./readings.js").Shape} sensor
+ * @param {import("./mounts.js").Pose} pose
+ * @param {ArrayLike<number>} values */
 function drawContacts({ context, camera, theme, kind }, sensor, pose, values) {
   for (const pressed of [false, true]) {
     context.beginPath();
@@ -35,17 +45,27 @@ function drawContacts({ context, camera, theme, kind }, sensor, pose, values) {
   context.globalAlpha = 1;
 }
 
+/** @param {import("./readings.js").Shape} sensor
+ * @param {import("./mounts.js").Pose} pose
+ * @param {ArrayLike<number>} _values
+ * @param {number} x
+ * @param {number} y
+ * @param {number} reach */
 function nearContact(sensor, pose, _values, x, y, reach) {
+  /** @type {import("./readings.js").Part | null} */
   let best = null;
   eachLine(sensor, pose, (i, x0, y0, x1, y1) => {
     const gap = gapToLine(x, y, x0, y0, x1, y1);
-    if (gap < reach && gap < (best?.gap ?? Infinity)) best = { i, gap };
+    if (gap < reach && gap < (best?.gap ?? Infinity)) best = { i, gap, angle: 0 };
   });
   return best;
 }
 
+/** @param {import("./readings.js").Shape} sensor
+ * @param {import("./readings.js").Reading} reading
+ * @param {import("./readings.js").Part} part */
 function tellContact(sensor, reading, { i }) {
-  const word = (value) => (Number.isNaN(value) ? "–" : value > 0.5 ? "pressed" : "free");
+  const word = (/** @type {number} */ value) => (Number.isNaN(value) ? "–" : value > 0.5 ? "pressed" : "free");
   return {
     title: `${sensor.name}, segment ${i}`,
     lines: [`true ${word(reading.true[i])}, measured ${word(reading.measured[i])}`],
@@ -54,12 +74,18 @@ function tellContact(sensor, reading, { i }) {
 
 // ------------------------------------------------------------------------------------------------- a place in the world
 
+/** @param {import("./readings.js").Shape} sensor
+ * @param {ArrayLike<number>} values */
 function fixOf(sensor, values) {
   const [x, y, heading] = ["x", "y", "heading"].map((name) => values[columnOf(sensor, name)]);
   return Number.isFinite(x) && Number.isFinite(y) ? [x, y, heading] : null;
 }
 
-/** A cross in a circle where the robot is said to be, and a dotted line from where its antenna is drawn. */
+/** A cross in a circle where the robot is said to be, and a dotted line from where its antenna is drawn.
+ * @param {import("./readings.js").ReadingBrush} brush
+ * @param {import("./readings.js").Shape} sensor
+ * @param {import("./mounts.js").Pose} pose
+ * @param {ArrayLike<number>} values */
 function drawFix({ context, camera, theme, kind }, sensor, pose, values) {
   const fix = fixOf(sensor, values);
   if (!fix) return;
@@ -88,27 +114,43 @@ function drawFix({ context, camera, theme, kind }, sensor, pose, values) {
   context.setLineDash([]);
 }
 
+/** @param {import("./readings.js").Shape} sensor
+ * @param {import("./mounts.js").Pose} _pose
+ * @param {ArrayLike<number>} values
+ * @param {number} x
+ * @param {number} y
+ * @param {number} reach */
 function nearFix(sensor, _pose, values, x, y, reach) {
   const fix = fixOf(sensor, values);
   if (!fix) return null;
   const gap = Math.hypot(fix[0] - x, fix[1] - y);
-  return gap < reach ? { gap } : null;
+  return gap < reach ? { i: 0, gap, angle: 0 } : null;
 }
 
+/** @param {import("./readings.js").Shape} sensor
+ * @param {import("./readings.js").Reading} reading */
 function tellFix(sensor, reading) {
   const [t, m] = [fixOf(sensor, reading.true), fixOf(sensor, reading.measured)];
-  const word = (fix) =>
+  const word = (/** @type {number[] | null} */ fix) =>
     fix ? `${fixed(fix[0], 3)}, ${fixed(fix[1], 3)} m${Number.isFinite(fix[2]) ? `, ${degrees(fix[2])}°` : ""}` : "no fix";
   return { title: sensor.name, lines: [`true ${word(t)}`, `measured ${word(m)}`] };
 }
 
 // -------------------------------------------------------------------------------------------------------- a heading
 
+/** @param {import("./readings.js").Shape} sensor
+ * @param {import("./mounts.js").Pose} pose
+ * @param {ArrayLike<number>} values
+ * @param {number} scale */
 function tipOf(sensor, pose, values, scale) {
   const [x, y] = mountPoses(sensor, pose)[0];
   return [x, y, x + (NEEDLE / scale) * Math.cos(values[0]), y + (NEEDLE / scale) * Math.sin(values[0])];
 }
 
+/** @param {import("./readings.js").ReadingBrush} brush
+ * @param {import("./readings.js").Shape} sensor
+ * @param {import("./mounts.js").Pose} pose
+ * @param {ArrayLike<number>} values */
 function drawNeedle({ context, camera, theme, kind }, sensor, pose, values) {
   if (!Number.isFinite(values[0])) return;
   const [x0, y0, x, y] = tipOf(sensor, pose, values, camera.scale);
@@ -129,12 +171,22 @@ function drawNeedle({ context, camera, theme, kind }, sensor, pose, values) {
   context.stroke();
 }
 
+/** @param {import("./readings.js").Shape} sensor
+ * @param {import("./mounts.js").Pose} pose
+ * @param {ArrayLike<number>} values
+ * @param {number} x
+ * @param {number} y
+ * @param {number} reach
+ * @param {number} scale */
 function nearNeedle(sensor, pose, values, x, y, reach, scale) {
   if (!Number.isFinite(values[0])) return null;
-  const gap = gapToLine(x, y, ...tipOf(sensor, pose, values, scale));
-  return gap < reach ? { gap } : null;
+  const [x0, y0, x1, y1] = tipOf(sensor, pose, values, scale);
+  const gap = gapToLine(x, y, x0, y0, x1, y1);
+  return gap < reach ? { i: 0, gap, angle: 0 } : null;
 }
 
+/** @param {import("./readings.js").Shape} sensor
+ * @param {import("./readings.js").Reading} reading */
 function tellNeedle(sensor, reading) {
   const [t, m] = [reading.true[0], reading.measured[0]];
   return { title: sensor.name, lines: [`true ${degrees(t)}°, measured ${degrees(m)}°, apart ${degrees(m - t)}°`] };

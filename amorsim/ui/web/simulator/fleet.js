@@ -32,6 +32,7 @@ export class Fleet {
     this.listed = [];
   }
 
+  /** @param {import("../shared/scene.js").Scene} scene */
   setScene(scene) {
     this.scene = scene;
     this.chosen = null;
@@ -55,7 +56,8 @@ export class Fleet {
     }
   }
 
-  /** Take a frame; the list is brought up to date where it is seen. */
+  /** Take a frame; the list is brought up to date where it is seen.
+   * @param {import("./wire.js").Frame} frame */
   show(frame) {
     this.frame = frame;
     if (this.element.hidden || !this.scene) return;
@@ -82,15 +84,15 @@ export class Fleet {
   build() {
     if (this.element.hidden || !this.scene || !this.frame) return;
     const wanted = this.search.value.trim().toLowerCase();
-    const matches = (robot, i) =>
+    const matches = (/** @type {import("../shared/scene.js").Robot} */ robot, /** @type {number} */ i) =>
       (!this.chosen || this.chosen.has(i)) && (!wanted || `${robot.name} ${robot.model ?? ""} ${this.stateOf(i)}`.toLowerCase().includes(wanted));
-    const found = this.scene.robots.map((robot, i) => (matches(robot, i) ? i : -1)).filter((i) => i >= 0);
-    if (this.order.value) found.sort((one, other) => (this.apart(other) || 0) - (this.apart(one) || 0));
+    const found = this.scene.robots.map((/** @type {import("../shared/scene.js").Robot} */ robot, /** @type {number} */ i) => (matches(robot, i) ? i : -1)).filter((/** @type {number} */ i) => i >= 0);
+    if (this.order.value) found.sort((/** @type {number} */ one, /** @type {number} */ other) => (this.apart(other) || 0) - (this.apart(one) || 0));
     const shown = found.slice(0, MOST);
     const total = this.scene.robots.length;
     say(this.count, `${found.length === total ? total : `${found.length} of ${total}`} robots${found.length > MOST ? `, the first ${MOST} are listed` : ""}`);
-    if (shown.length !== this.listed.length || shown.some((robot, n) => this.listed[n].robot !== robot)) {
-      this.listed = shown.map((robot) => this.row(robot));
+    if (shown.length !== this.listed.length || shown.some((/** @type {number} */ robot, /** @type {number} */ n) => this.listed[n].robot !== robot)) {
+      this.listed = shown.map((/** @type {number} */ robot) => this.row(robot));
       this.rows.replaceChildren(...this.listed.map(({ button }) => h("li", {}, button)));
     }
     this.tell();

@@ -51,7 +51,7 @@ function showPast(simulator, frame) {
   simulator.parts.formNote.hidden = !isPast;
   const whose = frame.states & FLAG.posesOnly ? "The newest values: of this moment only poses are kept" : `The values at ${fixed(frame.time, 1)} s`;
   say(simulator.parts.formNote, isPast ? `${whose}. To change them, continue here.` : "");
-  simulator.reader.readParametersSoon();
+  simulator.reader.readParametersSoon({ ok: true });
 }
 
 /** Another robot, or another course of events: what was kept of the one before goes, its history comes.

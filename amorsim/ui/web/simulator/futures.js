@@ -57,7 +57,7 @@ export class Futures {
     if (!said.ok || !isStill()) return;
     this.dt = dt;
     this.canGoBack = said.can_go_back;
-    this.list = said.others.map((other) => {
+    this.list = said.others.map((/** @type {any} */ other) => {
       const record = new Record(robot);
       record.load(other, dt);
       const [trueTrail, estimatedTrail] = ["true", "estimated"].map((view) => {
@@ -66,7 +66,7 @@ export class Futures {
         trail.load(other.ticks.slice(from), other[view].slice(from));
         return trail;
       });
-      const changes = other.changes.map(({ path, value }) => `${inWords(path)} ${shown(value)}`).join(", ");
+      const changes = other.changes.map((/** @type {import("./wire.js").ChangedParameter} */ { path, value }) => `${inWords(path)} ${shown(value)}`).join(", ");
       return { ...other, name: nameOf(other.number), changes, record, trueTrail, estimatedTrail };
     });
     this.build();
@@ -100,12 +100,14 @@ export class Futures {
     this.build();
   }
 
-  /** Tell in numbers how each differs from what is played, at the moment that is shown. */
+  /** Tell in numbers how each differs from what is played, at the moment that is shown.
+   * @param {import("./wire.js").Frame} frame */
   show(frame) {
     this.list.forEach((future, n) => say(this.words[n], this.describe(future, frame)));
   }
 
-  /** @param {Future} future */
+  /** @param {Future} future
+   * @param {import("./wire.js").Frame} frame */
   describe(future, frame) {
     const parted = `from ${fixed(future.since * this.dt, 1)} s`;
     const what = future.changes ? `${parted}, ${future.changes}` : parted;
@@ -122,6 +124,6 @@ export class Futures {
 }
 
 /** A parameter by its path: "errors.drive.wheel_radius_left.scale" as "wheel radius left, scale". */
-const inWords = (path) => path.split(".").slice(-2).join(", ").replaceAll("_", " ");
+const inWords = (/** @type {string} */ path) => path.split(".").slice(-2).join(", ").replaceAll("_", " ");
 
-const shown = (value) => (typeof value === "object" && value !== null ? JSON.stringify(value) : brief(value));
+const shown = (/** @type {any} */ value) => (typeof value === "object" && value !== null ? JSON.stringify(value) : brief(value));

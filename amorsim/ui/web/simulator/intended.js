@@ -25,7 +25,7 @@ export class Intended extends Asked {
    * @param {() => void} changed
    */
   constructor(ask, changed) {
-    const look = async (robot) => {
+    const look = async (/** @type {number} */ robot) => {
       const said = await ask({ do: "intended", robot });
       return { ok: said.ok, found: said.intended };
     };
@@ -34,7 +34,7 @@ export class Intended extends Asked {
 
   /** @override @param {string} name */
   has(name) {
-    return Boolean(this.found?.[name] || (name === "velocities" && this.found?.ways));
+    return Boolean(/** @type {any} */ (this.found)?.[name] || (name === "velocities" && this.found?.ways));
   }
 
   /** A controller has them from its start, or never. @override */

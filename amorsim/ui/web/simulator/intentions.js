@@ -10,7 +10,11 @@ const SHADES = 5; // of what was searched
 const RING = [26, 9]; // pixels: the least inner radius of the sectors' ring, and its width
 const TOP_SPEED = 64; // pixels that stand for a robot's top speed
 
-/** Places that were searched, from pale to dark. */
+/** Places that were searched, from pale to dark.
+ * @param {CanvasRenderingContext2D} context
+ * @param {Camera} camera
+ * @param {Theme} theme
+ * @param {number[][]} places */
 export function drawSearched(context, camera, theme, places) {
   const size = DOT / camera.scale;
   context.fillStyle = theme.estimated;
@@ -21,7 +25,11 @@ export function drawSearched(context, camera, theme, places) {
   context.globalAlpha = 1;
 }
 
-/** A path, with a ring at its end. */
+/** A path, with a ring at its end.
+ * @param {CanvasRenderingContext2D} context
+ * @param {Camera} camera
+ * @param {Theme} theme
+ * @param {number[][]} path */
 export function drawPath(context, camera, theme, path) {
   if (!path.length) return;
   context.strokeStyle = theme.estimated;
@@ -166,7 +174,13 @@ export function drawVelocities(context, camera, theme, [x, y, heading], { speed,
   context.restore();
 }
 
-/** Fill what lies to the right of a line, as far as `far`. */
+/** Fill what lies to the right of a line, as far as `far`.
+ * @param {CanvasRenderingContext2D} context
+ * @param {number} px
+ * @param {number} py
+ * @param {number} dx
+ * @param {number} dy
+ * @param {number} far */
 function halfPlane(context, px, py, dx, dy, far) {
   // From the foot of the origin, so that the rectangle covers the circle of the top speed wherever the point lies.
   const along = -(px * dx + py * dy);
@@ -180,6 +194,8 @@ function halfPlane(context, px, py, dx, dy, far) {
   context.fill();
 }
 
+/** @param {CanvasRenderingContext2D} context
+ * @param {number[][]} points */
 function line(context, points) {
   context.beginPath();
   points.forEach(([x, y], k) => (k ? context.lineTo(x, y) : context.moveTo(x, y)));

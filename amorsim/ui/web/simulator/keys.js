@@ -6,8 +6,8 @@ import { showKeys } from "./key_list.js";
 /** Who uses the mouse wants the keys for the simulator: what was clicked does not keep them. */
 function freeKeysAfterMouse() {
   let byMouse = false;
-  const free = (event, kinds) => {
-    const one = event.target.closest?.(kinds);
+  const free = (/** @type {Event} */ event, /** @type {string} */ kinds) => {
+    const one = event.target instanceof HTMLElement && /** @type {HTMLElement | null} */ (event.target.closest(kinds));
     if (byMouse && one && !one.closest("dialog")) setTimeout(() => one.blur());
   };
   window.addEventListener("pointerdown", () => (byMouse = true), true);
@@ -16,15 +16,17 @@ function freeKeysAfterMouse() {
   window.addEventListener("change", (event) => free(event, "select"));
 }
 
+/** @param {import("./simulator.js").Simulator} simulator */
 export function listenToKeys(simulator) {
   freeKeysAfterMouse();
   const { stage, timebar, driving } = simulator;
-  const flip = (name) => stage.setOption(name, !stage.options[name]);
-  const pan = (right, down) => {
+  const flip = (/** @type {string} */ name) => stage.setOption(name, !stage.options[name]);
+  const pan = (/** @type {number} */ right, /** @type {number} */ down) => {
     stage.setOption("follow", false);
     stage.robot.pan(right, down);
     stage.control.pointed = null;
   };
+  /** @type {Record<string, (() => void) | undefined>} */
   const plain = {
     " ": () => timebar.toggle(),
     ".": () => timebar.doStep(),
@@ -48,6 +50,7 @@ export function listenToKeys(simulator) {
     "?": () => showKeys(timebar.isRecorded),
     Escape: () => stage.selection.clear(),
   };
+  /** @type {Record<string, (() => void) | undefined>} */
   const shifted = {
     ArrowLeft: () => pan(60, 0),
     ArrowRight: () => pan(-60, 0),
@@ -65,7 +68,7 @@ export function listenToKeys(simulator) {
     }
     // Space presses a button and opens a group; elsewhere it runs and pauses.
     if (event.key === " " && ["BUTTON", "SUMMARY"].includes(target.tagName)) return;
-    const does = event.shiftKey && shifted[event.key] ? shifted[event.key] : plain[event.key];
+    const does = (event.shiftKey && shifted[event.key]) || plain[event.key];
     if (!does) return;
     event.preventDefault();
     if (event.repeat && !".,".includes(event.key) && !shifted[event.key] && !"+-=".includes(event.key)) return;

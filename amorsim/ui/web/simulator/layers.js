@@ -19,7 +19,7 @@ export class KnownLayer extends SceneLayer {
   isStatic = true;
 
   get version() {
-    return `${this.stage.pictures.version} ${this.stage.frame.selected}`;
+    return `${this.stage.pictures.version} ${there(this.stage.frame).selected}`;
   }
 
   /** @param {Brush} brush */
@@ -38,19 +38,20 @@ export class KnownLayer extends SceneLayer {
  */
 export class RobotLayer extends ViewLayer {
   /** @param {Brush} brush */
-  draw({ context, camera, theme }) {
+  draw({ context, camera, ratio, theme }) {
     const { robot, stage, view } = this;
     if (!robot) return;
-    const { frame, options } = stage;
+    const { options } = stage;
+    const frame = there(stage.frame);
     const [isTrue, i] = [view === "true", frame.selected];
     const poses = stage.posesOf(view);
     const pose = [poses[3 * i], poses[3 * i + 1], poses[3 * i + 2]];
     if (options.trails) drawTrail(context, camera, isTrue ? stage.trueTrail : stage.estimatedTrail, view, theme);
-    robot.sensors.forEach((sensor, s) => {
+    robot.sensors.forEach((/** @type {import("./readings.js").Shape} */ sensor, /** @type {number} */ s) => {
       if (!isDrawn(sensor) || stage.hidden.has(sensor.name) || !frame.sensors[s]) return;
       const values = isTrue ? frame.sensors[s].true : frame.sensors[s].measured;
-      const shape = isTrue ? (stage.trueSensors[s] ?? sensor) : sensor;
-      drawReadings({ context, camera, theme, kind: isTrue ? "true" : "measured" }, shape, pose, values);
+      const shape = isTrue ? /** @type {import("./readings.js").Shape} */ (stage.trueSensors[s] ?? sensor) : sensor;
+      drawReadings({ context, camera, ratio, theme, kind: isTrue ? "true" : "measured" }, shape, pose, values);
     });
     if (!isTrue) {
       if (options.particles) drawCloud(context, camera, frame.particles, theme);
@@ -69,7 +70,7 @@ export class RobotLayer extends ViewLayer {
 export class MarkLayer extends SceneLayer {
   get isShown() {
     const { mark, frame } = this.stage;
-    return Boolean(super.isShown && mark && frame.tick >= mark.tick);
+    return Boolean(super.isShown && mark && frame && frame.tick >= mark.tick);
   }
 
   /** @param {Brush} brush */
@@ -102,7 +103,7 @@ export class FuturesLayer extends ViewLayer {
     for (const future of stage.futures) {
       context.globalAlpha = 0.5;
       drawTrail(context, camera, view === "true" ? future.trueTrail : future.estimatedTrail, view, theme);
-      const pose = poseAt(future, view, stage.frame.tick);
+      const pose = poseAt(future, view, there(stage.frame).tick);
       if (pose && robot) {
         context.beginPath();
         trace(context, robot.footprint, pose[0], pose[1], pose[2]);
@@ -135,7 +136,7 @@ export class FutureNamesLayer extends ViewLayer {
     context.strokeStyle = theme.paper;
     context.fillStyle = theme[this.view];
     for (const future of this.stage.futures) {
-      const pose = poseAt(future, this.view, this.stage.frame.tick) ?? future[this.view].at(-1);
+      const pose = poseAt(future, this.view, there(this.stage.frame).tick) ?? future[this.view].at(-1);
       if (!pose) continue;
       const [x, y] = camera.toScreen(pose[0], pose[1]);
       const gap = 0.8 * (this.robot?.reach ?? 0) * camera.scale + 4;

@@ -4,11 +4,11 @@ import { VIDEO } from "../shared/capture.js";
 import { h } from "../shared/dom.js";
 import { Arrangement } from "./arrangement.js";
 
-const swatch = (kind) => h("span", { class: `swatch ${kind}`, "aria-hidden": "true" });
-const panel = (name, ...children) => h("section", { class: `panel ${name}`, "aria-labelledby": `${name}-title` }, children);
-const head = (name, ...children) => h("div", { class: "head" }, h("h2", { id: `${name}-title` }, children));
+const swatch = (/** @type {string} */ kind) => h("span", { class: `swatch ${kind}`, "aria-hidden": "true" });
+const panel = (/** @type {string} */ name, /** @type {any[]} */ ...children) => h("section", { class: `panel ${name}`, "aria-labelledby": `${name}-title` }, children);
+const head = (/** @type {string} */ name, /** @type {any[]} */ ...children) => h("div", { class: "head" }, h("h2", { id: `${name}-title` }, children));
 
-const scroll = (name, child) => h("div", { class: "scroll", tabindex: "0", role: "group", "aria-label": name }, child);
+const scroll = (/** @type {string} */ name, /** @type {HTMLElement} */ child) => h("div", { class: "scroll", tabindex: "0", role: "group", "aria-label": name }, child);
 
 export const TOOLS = [
   ["overlay", "overlay", "both panes in one (O)"],
@@ -24,9 +24,15 @@ export const BELIEFS = [
   ["hypotheses", "hypothesisCount", "where its estimator thinks the robot might be, each with 95 %"],
 ];
 
+/** @param {any} what */
 export function build({ stage, timebar, driving, form, replay, futures, fleet }) {
+  /** @type {Record<string, any>} */
   const parts = {};
-  const make = (name, element) => (parts[name] = element);
+  /** @template T @param {string} name @param {T} element @returns {T} */
+  const make = (name, element) => {
+    parts[name] = element;
+    return element;
+  };
   parts.tools = new Map(
     TOOLS.map(([name, label, title]) => [name, h("button", { class: "tool", "aria-pressed": "false", title, "data-tool": name }, label)]),
   );
@@ -115,7 +121,7 @@ export function build({ stage, timebar, driving, form, replay, futures, fleet })
     scroll("parameters", form.element),
     driving.element,
   );
-  const column = (kind) => h("th", { scope: "col", class: kind }, swatch(kind), kind);
+  const column = (/** @type {string} */ kind) => h("th", { scope: "col", class: kind }, swatch(kind), kind);
   const numbers = panel(
     "numbers",
     scroll(

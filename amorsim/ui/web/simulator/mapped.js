@@ -24,7 +24,7 @@ export class Mapped extends Asked {
    * @param {() => void} changed
    */
   constructor(ask, changed) {
-    const look = async (robot) => {
+    const look = async (/** @type {number} */ robot) => {
       const said = await ask({ do: "mapped", robot });
       return { ok: said.ok, found: said.mapped };
     };
@@ -35,7 +35,7 @@ export class Mapped extends Asked {
 
   /** @override @param {string} name */
   has(name) {
-    return this.found.some((one) => one[name]);
+    return this.found.some((one) => /** @type {any} */ (one)[name]);
   }
 
   /** An estimator maps from its start, or never. @override @param {One[]} found */
@@ -103,12 +103,21 @@ export class MappedLayer extends SceneLayer {
   }
 }
 
+/** @param {CanvasRenderingContext2D} context
+ * @param {import("../shared/marks.js").Scaled} camera
+ * @param {string} colour
+ * @param {number[][]} points */
 function drawPoints(context, camera, colour, points) {
   const size = DOT / camera.scale;
   context.fillStyle = colour;
   for (const [x, y] of points) context.fillRect(x - size / 2, y - size / 2, size, size);
 }
 
+/** @param {CanvasRenderingContext2D} context
+ * @param {import("../shared/marks.js").Scaled} camera
+ * @param {import("../shared/theme.js").Theme} theme
+ * @param {number[][]} poses
+ * @param {number[][]} edges */
 function drawGraph(context, camera, theme, poses, edges) {
   context.strokeStyle = theme.estimated;
   context.lineWidth = 1 / camera.scale;

@@ -1,6 +1,6 @@
 // The table of true | measured | estimated | difference of the selected robot.
 
-import { fixed, h, say, signed } from "../shared/dom.js";
+import { fixed, h, say, signed, there } from "../shared/dom.js";
 import { KINDS } from "./quantities.js";
 
 /** What a row carries when it is dragged: the key of its quantity. */
@@ -27,8 +27,8 @@ export class Numbers {
           class: "row-name",
           draggable: "true",
           title: "plot this; with Shift in a plot of its own, or drag it into a plot",
-          onclick: (event) => (event.shiftKey ? this.on.add(quantity.key) : this.on.plot(quantity.key)),
-          ondragstart: (event) => event.dataTransfer.setData(QUANTITY, quantity.key),
+          onclick: (/** @type {PointerEvent} */ event) => (event.shiftKey ? this.on.add(quantity.key) : this.on.plot(quantity.key)),
+          ondragstart: (/** @type {DragEvent} */ event) => there(event.dataTransfer).setData(QUANTITY, quantity.key),
         },
         quantity.label,
         h("span", { class: "unit" }, ` ${quantity.unit}`),
@@ -44,6 +44,7 @@ export class Numbers {
     for (const { quantity, row } of this.rows) row.classList.toggle("chosen", keys.has(quantity.key));
   }
 
+  /** @param {import("./wire.js").Frame} frame */
   show(frame) {
     for (const { quantity, cells } of this.rows) {
       const values = quantity.of(frame, frame.selected);
@@ -51,7 +52,8 @@ export class Numbers {
     }
   }
 
-  /** The measured velocities in words: of the joints that are counted, and of the turning. */
+  /** The measured velocities in words: of the joints that are counted, and of the turning.
+   * @param {import("./wire.js").Frame} frame */
   velocities(frame) {
     const words = [];
     for (const { quantity } of this.rows) {

@@ -19,7 +19,8 @@ export class Picker extends WorldPicker {
     this.known.clear();
   }
 
-  /** What a robot knows, indexed when it is first pointed at. */
+  /** What a robot knows, indexed when it is first pointed at.
+   * @param {import("../shared/scene.js").Robot} robot */
   knownBy(robot) {
     const had = this.known.get(robot);
     if (had) return had;
@@ -32,15 +33,15 @@ export class Picker extends WorldPicker {
 
   /**
    * The nearest thing to a point, or null.
-   * @param {object} frame
+   * @param {import("./wire.js").Frame} frame
    * @param {import("../shared/world.js").View[]} views what is shown there, the topmost first
    * @param {{x: number, y: number, scale: number}} at the point [m], and pixels a metre
-   * @param {{hidden: Set<string>, trueSensors: object[]}} shown sensors that are not drawn, and those by true parameters
+   * @param {{hidden: Set<string>, trueSensors: import("./wire.js").SensorShape[]}} shown sensors that are not drawn, and those by true parameters
    * @returns {Found | null}
    */
   pick(frame, views, { x, y, scale }, shown) {
     const near = NEAR / scale;
-    const asRobot = (part) => {
+    const asRobot = (/** @type {number} */ part) => {
       for (const view of views) {
         const i = this.nearestRobot(frame, view, x, y, near, part);
         if (i >= 0) return this.tellRobot(frame, i);
@@ -57,6 +58,11 @@ export class Picker extends WorldPicker {
     return asRobot(CORE) ?? asReading() ?? asRobot(1) ?? this.nearestStanding(frame, views, x, y, near);
   }
 
+  /** @param {import("./wire.js").Frame} frame
+   * @param {import("../shared/world.js").View[]} views
+   * @param {number} x
+   * @param {number} y
+   * @param {number} near */
   nearestStanding(frame, views, x, y, near) {
     if (views.includes("true")) {
       const found = this.nearestObstacle(frame, x, y, near) ?? this.world.nearest(x, y, near);
@@ -66,6 +72,13 @@ export class Picker extends WorldPicker {
     return views.includes("estimated") && robot ? this.knownBy(robot).nearest(x, y, near) : null;
   }
 
+  /** @param {import("./wire.js").Frame} frame
+   * @param {import("../shared/world.js").View} view
+   * @param {number} x
+   * @param {number} y
+   * @param {number} near
+   * @param {number} scale
+   * @param {{hidden: Set<string>, trueSensors: import("./wire.js").SensorShape[]}} shown */
   nearestReading(frame, view, x, y, near, scale, { hidden, trueSensors }) {
     const i = frame.selected;
     const robot = this.scene.robots[i];
@@ -75,16 +88,18 @@ export class Picker extends WorldPicker {
     const pose = [poses[3 * i], poses[3 * i + 1], poses[3 * i + 2]];
     /** @type {any} */
     let best = null;
-    robot.sensors.forEach((sensor, s) => {
+    robot.sensors.forEach((/** @type {import("./readings.js").Shape} */ sensor, /** @type {number} */ s) => {
       const reading = frame.sensors[s];
       if (!isDrawn(sensor) || hidden.has(sensor.name) || !reading) return;
-      const shape = isTrue ? (trueSensors[s] ?? sensor) : sensor;
+      const shape = isTrue ? /** @type {import("./readings.js").Shape} */ (trueSensors[s] ?? sensor) : sensor;
       const part = nearestPart(shape, pose, isTrue ? reading.true : reading.measured, x, y, near, scale);
       if (part && part.gap < (best?.part.gap ?? Infinity)) best = { part, sensor, reading };
     });
     return best && { kind: "reading", key: best.sensor.name, ...tellPart(best.sensor, best.reading, best.part) };
   }
 
+  /** @param {import("./wire.js").Frame} frame
+   * @param {number} i */
   tellRobot(frame, i) {
     const robot = this.scene.robots[i];
     const metres = robot.reach < 0.1 ? 4 : 3;

@@ -51,4 +51,4 @@ export function table(record, futures, key) {
   return lines.join("\n") + "\n";
 }
 
-const written = (value) => (Number.isFinite(value) ? String(value) : "");
+const written = (/** @type {number} */ value) => (Number.isFinite(value) ? String(value) : "");

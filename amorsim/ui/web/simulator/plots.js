@@ -2,7 +2,7 @@
 
 import { Record } from "./record.js";
 import { open } from "../shared/dialogs.js";
-import { h } from "../shared/dom.js";
+import { h, there } from "../shared/dom.js";
 import { Plot } from "../shared/plot.js";
 import { QUANTITY } from "./numbers.js";
 import { FORMATS, savePlot } from "./plot_files.js";
@@ -36,9 +36,9 @@ class QuantityPlot {
     this.tools = h("div", { class: "tools" }, this.plot.whole, this.select, this.modes, this.saves, this.closes);
     this.head = h("div", { class: "head" }, this.tools);
     this.element = h("div", { class: "one-plot" }, this.head, h("div", { class: "plot-area" }, this.chart));
-    this.element.addEventListener("dragover", (event) => event.dataTransfer.types.includes(QUANTITY) && event.preventDefault());
+    this.element.addEventListener("dragover", (event) => there(event.dataTransfer).types.includes(QUANTITY) && event.preventDefault());
     this.element.addEventListener("drop", (event) => {
-      const quantity = event.dataTransfer.getData(QUANTITY);
+      const quantity = there(event.dataTransfer).getData(QUANTITY);
       if (!quantity) return; // a panel, for the slot around this
       event.preventDefault();
       this.choose(quantity);

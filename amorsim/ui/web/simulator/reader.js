@@ -19,7 +19,7 @@ export class Reader {
     const isStill = simulator.isStill();
     const said = await simulator.connection.ask({ do: "history", robot: simulator.robot.name, max_points: 3000 });
     if (!said.ok || !isStill()) return;
-    said.true = said.true.map((pose) => pose.map((value) => value ?? NaN)); // of a log nothing true is known
+    said.true = said.true.map((/** @type {(number | null)[]} */ pose) => pose.map((value) => value ?? NaN)); // of a log nothing true is known
     simulator.stage.trueTrail.load(said.ticks, said.true);
     simulator.stage.estimatedTrail.load(said.ticks, said.estimated);
     simulator.record.load(said, simulator.scene.dt);
@@ -48,6 +48,7 @@ export class Reader {
     if (simulator.newest.events > simulator.events.next) setTimeout(() => !this.readingEvents && this.readEvents(), EVENTS_EVERY);
   }
 
+  /** @param {import("./wire.js").EventLine[]} events */
   addEvents(events) {
     const { simulator } = this;
     if (simulator.scene.recorded) simulator.replay.mark(events.filter((event) => event.number > simulator.events.next), Number(simulator.timebar.line.max));
@@ -69,6 +70,7 @@ export class Reader {
     showControls(simulator);
   }
 
+  /** @param {any} said */
   readParametersSoon(said) {
     clearTimeout(this.parametersSoon);
     this.parametersSoon = setTimeout(() => this.readParameters(), PARAMETERS_AFTER);

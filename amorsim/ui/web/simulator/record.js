@@ -31,21 +31,22 @@ export class Record {
   }
 
   /** Take what was recorded, after a reload, a turn to another robot or a step back in time; what came since stays.
-   * @param {{past: object, ticks: number[]}} history
+   * @param {import("./wire.js").History | import("./wire.js").Future} history
    * @param {number} dt seconds of a tick */
   load(history, dt) {
     const moments = momentsOf(history, this.robot, dt);
     const last = moments.at(-1)?.time ?? -1;
     for (const quantity of this.quantities) {
       const series = this.seriesOf(quantity.key);
-      const later = series.times.flatMap((time, n) => (time > last + 1e-9 ? [[time, series.values.map((column) => column[n])]] : []));
+      const later = series.times.flatMap((time, n) => (time > last + 1e-9 ? [{ time, values: series.values.map((column) => column[n]) }] : []));
       series.clear();
       for (const moment of moments) series.add(moment.time, sample(quantity, moment, 0));
-      for (const [time, values] of later) series.add(time, values);
+      for (const { time, values } of later) series.add(time, values);
     }
   }
 
-  /** Keep a frame's values; those of the past are kept already. */
+  /** Keep a frame's values; those of the past are kept already.
+   * @param {import("./wire.js").Frame} frame */
   add(frame) {
     for (const quantity of this.quantities) this.seriesOf(quantity.key).add(frame.time, sample(quantity, frame, frame.selected));
   }
@@ -61,4 +62,4 @@ export class Record {
   }
 }
 
-const sample = (quantity, frame, i) => [...quantity.of(frame, i), quantity.sigma ? quantity.sigma(frame, i) : NaN];
+const sample = (/** @type {import("./quantities.js").Quantity} */ quantity, /** @type {import("./quantities.js").Moment} */ frame, /** @type {number} */ i) => [...quantity.of(frame, i), quantity.sigma ? quantity.sigma(frame, i) : NaN];

@@ -11,7 +11,7 @@ const OF_BODIES = ["truePoses", "estimatedPoses", "covariances", "obstacles", "f
 const CLOUDS = ["particles", "hypotheses"];
 const OF_ROBOT = BLOCKS.map(([name]) => name).filter((name) => ![...OF_BODIES, ...CLOUDS].includes(name));
 
-const inPython = (name) => name.replace(/[A-Z]/g, (letter) => `_${letter.toLowerCase()}`);
+const inPython = (/** @type {string} */ name) => name.replace(/[A-Z]/g, (letter) => `_${letter.toLowerCase()}`);
 
 /** The last place whose tick is at most `tick`; -1 where there is none.
  * @param {number} tick
@@ -48,20 +48,21 @@ export class RecordedRun {
     /** When it began to play, and the time then. @type {{now: number, time: number} | null} */
     this.since = null;
     this.isOpen = true;
+    /** @type {Record<string, ((command: any) => any) | undefined>} */
     this.doing = {
       scene: () => ({ scene: head.scene }),
-      image: ({ name }) => ({ png: head.images[name] }),
+      image: (/** @type {any} */ { name }) => ({ png: head.images[name] }),
       state: () => this.state(),
-      history: ({ robot }) => this.history(this.numberOf(robot)),
-      events: ({ after }) => ({ epoch: head.epoch, events: head.events.slice(after ?? 0), next: head.events.length }),
-      mapped: ({ robot }) => ({ mapped: this.believed("mapped", this.numberOf(robot)) }),
-      intended: ({ robot }) => ({ intended: this.believed("intended", this.numberOf(robot))[0] ?? {} }),
-      select: ({ robot }) => this.show(this.place, this.numberOf(robot)),
+      history: (/** @type {any} */ { robot }) => this.history(this.numberOf(robot)),
+      events: (/** @type {any} */ { after }) => ({ epoch: head.epoch, events: head.events.slice(after ?? 0), next: head.events.length }),
+      mapped: (/** @type {any} */ { robot }) => ({ mapped: this.believed("mapped", this.numberOf(robot)) }),
+      intended: (/** @type {any} */ { robot }) => ({ intended: this.believed("intended", this.numberOf(robot))[0] ?? {} }),
+      select: (/** @type {any} */ { robot }) => this.show(this.place, this.numberOf(robot)),
       run: () => this.run(),
       pause: () => this.pause(),
       step: () => this.move(this.place + 1),
-      scrub: ({ tick }) => this.move(lastAt(tick ?? head.newest, this.ticks.length, (place) => this.ticks[place])),
-      speed: ({ factor }) => this.setSpeed(factor ?? Infinity),
+      scrub: (/** @type {any} */ { tick }) => this.move(lastAt(tick ?? head.newest, this.ticks.length, (place) => this.ticks[place])),
+      speed: (/** @type {any} */ { factor }) => this.setSpeed(factor ?? Infinity),
       controls: () => ({}),
     };
     queueMicrotask(() => {
@@ -83,10 +84,12 @@ export class RecordedRun {
 
   // ---------------------------------------------------------------------------------------------------------- looking
 
+  /** @param {any} robot */
   numberOf(robot) {
-    return typeof robot === "string" ? this.head.scene.robots.findIndex((one) => one.name === robot) : robot;
+    return typeof robot === "string" ? this.head.scene.robots.findIndex((/** @type {{name: string}} */ one) => one.name === robot) : robot;
   }
 
+  /** @param {any} series */
   table(series) {
     if (!this.tables.has(series)) this.tables.set(series, new Table(this.bytes, series));
     return this.tables.get(series);
@@ -113,11 +116,13 @@ export class RecordedRun {
     return this.place === this.ticks.length - 1;
   }
 
+  /** @param {number} robot */
   history(robot) {
-    const { epoch, robots, bodies, ticks } = this.head;
+    const { epoch, robots, bodies } = this.head;
+    const ticks = /** @type {number[]} */ (this.head.ticks);
     const every = Math.ceil(ticks.length / MOST_OF_PATH);
-    const places = ticks.map((_, place) => place).filter((place) => place % every === 0);
-    const poses = (name) => places.map((place) => Array.from(this.table(bodies[name]).row(place).subarray(3 * robot, 3 * robot + 3)));
+    const places = Array.from(ticks.keys()).filter((place) => place % every === 0);
+    const poses = (/** @type {string} */ name) => places.map((place) => Array.from(this.table(bodies[name]).row(place).subarray(3 * robot, 3 * robot + 3)));
     return {
       epoch,
       ticks: places.map((place) => ticks[place]),
@@ -127,6 +132,7 @@ export class RecordedRun {
     };
   }
 
+  /** @param {{ticks: number[], values: any}} series */
   past({ ticks, values }) {
     const bytes = new Uint8Array(this.table(values).flat().buffer);
     let letters = "";
@@ -134,13 +140,15 @@ export class RecordedRun {
     return { ticks, values: btoa(letters) };
   }
 
-  /** The maps, or the intentions, as they were last at the moment that is shown. */
+  /** The maps, or the intentions, as they were last at the moment that is shown.
+   * @param {string} kind
+   * @param {number} robot */
   believed(kind, robot) {
     if (!this.head.robots[robot]) return [];
     const { values, moments } = this.head.robots[robot][kind];
     const at = lastAt(this.ticks[this.place], moments.length, (place) => moments[place][0]);
     if (at < 0) return [];
-    return moments[at][1].map((table) => Object.fromEntries(Object.entries(table).map(([key, place]) => [key, values[place]])));
+    return moments[at][1].map((/** @type {Record<string, number>} */ table) => Object.fromEntries(Object.entries(table).map(([key, place]) => [key, values[place]])));
   }
 
   // ------------------------------------------------------------------------------------------------------------- time
@@ -159,6 +167,7 @@ export class RecordedRun {
     this.show(this.place);
   }
 
+  /** @param {number} factor */
   setSpeed(factor) {
     this.speed = factor;
     this.mark();
@@ -171,6 +180,7 @@ export class RecordedRun {
     this.since = { now: performance.now(), time: this.time };
   }
 
+  /** @param {number} now */
   play(now) {
     if (!this.isRunning) return;
     const passed = Math.min(LONGEST, Math.max(0, (now - (this.last ?? now)) / 1000));
@@ -184,13 +194,15 @@ export class RecordedRun {
     else this.last = undefined;
   }
 
+  /** @param {number} place */
   move(place) {
     this.isRunning = false;
     this.show(Math.min(place, this.ticks.length - 1));
     return { tick: this.ticks[this.place], exact: true, can_continue: true, reason: "" };
   }
 
-  /** Send the frame of a moment, about a robot. */
+  /** Send the frame of a moment, about a robot.
+   * @param {number} place */
   show(place, robot = this.robot) {
     this.place = place;
     this.robot = robot;
@@ -221,6 +233,8 @@ export class RecordedRun {
     this.on.frame(writeFrame(head, blocks));
   }
 
+  /** @param {{of_moment: number[], counts: number[], rows: any}} belief
+   * @param {number} place */
   cloud({ of_moment, counts, rows }, place) {
     const which = of_moment[place];
     const from = counts.slice(0, which).reduce((sum, count) => sum + count, 0);

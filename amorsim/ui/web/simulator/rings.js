@@ -9,7 +9,9 @@ import { DASHES } from "../shared/theme.js";
 
 const LONGEST = 30; // pixels of a stick
 
-/** From 0 for a reading of nothing to 1 for the most. */
+/** From 0 for a reading of nothing to 1 for the most.
+ * @param {import("./readings.js").Shape} sensor
+ * @param {ArrayLike<number>} values */
 function levels({ drawing }, values) {
   const [none, most = farthest(values, none)] = drawing.span;
   return Array.from(values, (value) => {
@@ -18,8 +20,12 @@ function levels({ drawing }, values) {
   });
 }
 
-const farthest = (values, from) => values.reduce((far, v) => (Math.abs(v - from) > Math.abs(far - from) ? v : far), from);
+const farthest = (/** @type {ArrayLike<number>} */ values, /** @type {number} */ from) => Array.from(values).reduce((far, v) => (Math.abs(v - from) > Math.abs(far - from) ? v : far), from);
 
+/** @param {import("./readings.js").ReadingBrush} brush
+ * @param {import("./readings.js").Shape} sensor
+ * @param {import("./mounts.js").Pose} pose
+ * @param {ArrayLike<number>} values */
 function drawGlow({ context, camera, theme, kind }, sensor, pose, values) {
   const { half_angle: half, reach } = sensor.drawing;
   const mounts = mountPoses(sensor, pose);
@@ -45,8 +51,15 @@ function drawGlow({ context, camera, theme, kind }, sensor, pose, values) {
   context.setLineDash([]);
 }
 
+/** @param {import("./readings.js").Shape} sensor
+ * @param {import("./mounts.js").Pose} pose
+ * @param {ArrayLike<number>} values
+ * @param {number} x
+ * @param {number} y
+ * @param {number} reach */
 function nearGlow(sensor, pose, values, x, y, reach) {
   const mounts = mountPoses(sensor, pose);
+  /** @type {import("./readings.js").Part | null} */
   let best = null;
   for (let i = 0; i < values.length; i++) {
     const [x0, y0, heading] = mounts[i] ?? mounts[0];
@@ -60,7 +73,12 @@ function nearGlow(sensor, pose, values, x, y, reach) {
   return best;
 }
 
-/** The sticks of a reading: `visit(i, x0, y0, x1, y1, heading)`. */
+/** The sticks of a reading: `visit(i, x0, y0, x1, y1, heading)`.
+ * @param {import("./readings.js").Shape} sensor
+ * @param {import("./mounts.js").Pose} pose
+ * @param {ArrayLike<number>} values
+ * @param {number} scale
+ * @param {(i: number, x0: number, y0: number, x1: number, y1: number, heading: number) => void} visit */
 function eachStick(sensor, pose, values, scale, visit) {
   const mounts = mountPoses(sensor, pose);
   levels(sensor, values).forEach((level, i) => {
@@ -70,6 +88,10 @@ function eachStick(sensor, pose, values, scale, visit) {
   });
 }
 
+/** @param {import("./readings.js").ReadingBrush} brush
+ * @param {import("./readings.js").Shape} sensor
+ * @param {import("./mounts.js").Pose} pose
+ * @param {ArrayLike<number>} values */
 function drawSticks({ context, camera, theme, kind }, sensor, pose, values) {
   const dot = 2.2 / camera.scale;
   context.strokeStyle = theme[kind];
@@ -91,7 +113,15 @@ function drawSticks({ context, camera, theme, kind }, sensor, pose, values) {
   context.fill();
 }
 
+/** @param {import("./readings.js").Shape} sensor
+ * @param {import("./mounts.js").Pose} pose
+ * @param {ArrayLike<number>} values
+ * @param {number} x
+ * @param {number} y
+ * @param {number} reach
+ * @param {number} scale */
 function nearStick(sensor, pose, values, x, y, reach, scale) {
+  /** @type {import("./readings.js").Part | null} */
   let best = null;
   eachStick(sensor, pose, values, scale, (i, x0, y0, x1, y1, heading) => {
     const gap = gapToLine(x, y, x0, y0, x1, y1);
@@ -100,6 +130,9 @@ function nearStick(sensor, pose, values, x, y, reach, scale) {
   return best;
 }
 
+/** @param {import("./readings.js").Shape} sensor
+ * @param {import("./readings.js").Reading} reading
+ * @param {import("./readings.js").Part} part */
 function tell(sensor, reading, { i, angle }) {
   return {
     title: `${sensor.name}, element ${i}`,

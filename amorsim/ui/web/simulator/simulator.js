@@ -29,7 +29,7 @@ const LARGE = 1.8; // how much larger its lines and its type are
 
 export class Simulator {
   /** @param {HTMLElement} root
-   * @param {(on: object) => any} connect makes the connection: `Connection`, or what answers and plays in its place */
+   * @param {(on: import("../shared/socket.js").Heard) => any} connect makes the connection: `Connection`, or what answers and plays in its place */
   constructor(root, connect) {
     this.root = root;
     /** What is simulated. @type {any} */
@@ -56,25 +56,25 @@ export class Simulator {
     /** The frame that was not drawn yet. @type {number | undefined} */
     this.unacknowledged = undefined;
     this.toggleTheme = startTheme(root);
-    const ask = (command) => this.ask(command);
+    const ask = (/** @type {any} */ command) => this.ask(command);
     this.stage = new Stage(root, {
       ask: (command) => this.connection.ask(command),
       picked: (pane, place) => this.picked(pane, place),
       option: (name, value) => this.showOption(name, value),
       boxed: (robots) => this.listRobots(robots),
-      drawn: (...what) => this.drawn(...what),
+      drawn: (frame, isNew, now, began) => this.drawn(frame, isNew, now, began),
     });
     this.timebar = new TimeBar(ask);
     this.driving = new Driving(ask, (text) => this.hint(text));
     this.replay = new Replay(ask, (event) => this.go(event));
-    const change = (command) => this.connection.ask({ ...command, robot: this.robot.name }).then((said) => this.reader.readParametersSoon(said));
+    const change = (/** @type {object} */ command) => this.connection.ask({ ...command, robot: this.robot.name }).then((/** @type {any} */ said) => this.reader.readParametersSoon(said));
     this.form = new Form({
-      ask: (command) => this.connection.ask(command),
-      set: (path, value) => change({ do: "set", path, value }),
-      restore: (path) => change({ do: "restore", path }),
-      add: (path, value) => change({ do: "add", path, value }),
-      remove: (path) => change({ do: "remove", path }),
-      noises: (path, value) => this.ask({ do: "noises", path, robot: this.robot.name, ...(value ? { value } : {}) }),
+      ask: (/** @type {any} */ command) => this.connection.ask(command),
+      set: (/** @type {string} */ path, /** @type {any} */ value) => change({ do: "set", path, value }),
+      restore: (/** @type {string} */ path) => change({ do: "restore", path }),
+      add: (/** @type {string} */ path, /** @type {any} */ value) => change({ do: "add", path, value }),
+      remove: (/** @type {string} */ path) => change({ do: "remove", path }),
+      noises: (/** @type {string} */ path, /** @type {any} */ value) => this.ask({ do: "noises", path, robot: this.robot.name, ...(value ? { value } : {}) }),
     });
     this.reader = new Reader(this);
     this.fleet = new Fleet((robot) => this.ask({ do: "select", robot }));
@@ -89,8 +89,8 @@ export class Simulator {
       fileName: () => this.saving.fileName,
     });
     this.events = new Events(this.parts.events, {
-      go: (event) => this.go(event),
-      stack: (event) => tell("What the controller raised", h("pre", { tabindex: "0" }, event.stack)),
+      go: (/** @type {import("./wire.js").EventLine} */ event) => this.go(event),
+      stack: (/** @type {import("./wire.js").EventLine} */ event) => tell("What the controller raised", h("pre", { tabindex: "0" }, event.stack)),
     });
     this.stage.selection.listen((selection) => (this.parts.card.hidden = !selection.only));
     this.warnings = new Warnings(this.parts.banner, ask);
@@ -100,10 +100,10 @@ export class Simulator {
     listenToClicks(this);
     listenToKeys(this);
     this.connection = connect({
-      frame: (buffer) => takeFrame(this, buffer),
-      news: (message) => this.newsCame(message),
+      frame: (/** @type {ArrayBuffer} */ buffer) => takeFrame(this, buffer),
+      news: (/** @type {any} */ message) => this.newsCame(message),
       open: () => this.opened(),
-      lost: (attempts) => this.warnings.show({ status: "lost", attempts }),
+      lost: (/** @type {number} */ attempts) => this.warnings.show({ status: "lost", attempts }),
     });
     for (const [name, value] of Object.entries(this.stage.options)) this.showOption(name, value);
   }
@@ -128,7 +128,7 @@ export class Simulator {
     say(this.parts.scenario, this.scene.scenario);
     this.parts.scenario.title = this.scene.scenario;
     document.title = `${this.scene.scenario} · amorsim`;
-    this.parts.robot.replaceChildren(...this.scene.robots.map((robot, i) => h("option", { value: String(i) }, robot.name)));
+    this.parts.robot.replaceChildren(...this.scene.robots.map((/** @type {import("../shared/scene.js").Robot} */ robot, /** @type {number} */ i) => h("option", { value: String(i) }, robot.name)));
     this.stage.setScene(this.scene, (name) => this.image(name));
     this.fleet.setScene(this.scene);
     this.parts.fleet.hidden = this.scene.robots.length < 2;
@@ -151,6 +151,7 @@ export class Simulator {
     this.nameWorld();
   }
 
+  /** @param {string} name */
   async image(name) {
     const said = await this.connection.ask({ do: "image", name });
     return said.ok ? `data:image/png;base64,${said.png}` : null;
@@ -168,7 +169,8 @@ export class Simulator {
     this.drawNumbers();
   }
 
-  /** List the robots that a box was drawn around, or all; of a single robot there is no list. */
+  /** List the robots that a box was drawn around, or all; of a single robot there is no list.
+   * @param {any} robots */
   listRobots(robots) {
     if (this.scene.robots.length < 2) return;
     this.fleet.only(robots?.length ? robots : null);
@@ -181,13 +183,15 @@ export class Simulator {
     this.parts.fleet.setAttribute("aria-pressed", String(!this.fleet.element.hidden));
   }
 
+  /** @param {any} message */
   newsCame(message) {
     if (message.window) this.window = message.window;
   }
 
   // ------------------------------------------------------------------------------------------------ what goes out
 
-  /** Say a command; what went wrong is shown. */
+  /** Say a command; what went wrong is shown.
+   * @param {any} command */
   async ask(command) {
     const said = await this.connection.ask(command);
     if (!said.ok) this.hint(said.error);
@@ -200,18 +204,21 @@ export class Simulator {
     this.reader.readParametersSoon(said);
   }
 
+  /** @param {import("./wire.js").EventLine} event */
   async go(event) {
     if (event.point) {
       this.stage.mark = { point: event.point, tick: event.tick };
       this.stage.setOption("follow", false);
-      this.stage.camera.centre(...event.point);
+      this.stage.camera.centre(event.point[0], event.point[1]);
     }
-    const index = this.scene.robots.findIndex((robot) => robot.name === event.robot);
+    const index = this.scene.robots.findIndex((/** @type {{name: string}} */ robot) => robot.name === event.robot);
     if (index >= 0 && index !== this.selected) await this.ask({ do: "select", robot: index });
     if (this.newest.tick !== event.tick) await this.ask({ do: "scrub", tick: event.tick });
   }
 
-  /** Something was pointed at, or nothing: tell what it is, and turn to a robot. */
+  /** Something was pointed at, or nothing: tell what it is, and turn to a robot.
+   * @param {any} pane
+   * @param {import("../shared/tool.js").Place} place */
   picked(pane, { left, top }) {
     const found = this.stage.selection.only;
     if (!found) return;
@@ -223,6 +230,7 @@ export class Simulator {
     if (found.robot !== undefined && found.robot !== this.selected) this.ask({ do: "select", robot: found.robot });
   }
 
+  /** @param {number} step */
   nextRobot(step) {
     if (!this.scene || this.scene.robots.length < 2) return;
     const count = this.scene.robots.length;
@@ -231,6 +239,10 @@ export class Simulator {
 
   // --------------------------------------------------------------------------------------------------- what is shown
 
+  /** @param {import("./wire.js").Frame | undefined} frame
+   * @param {boolean} isNew
+   * @param {number} now
+   * @param {number} began */
   drawn(frame, isNew, now, began) {
     if (!frame) return;
     if (now - (this.tableAt ?? 0) > TABLE_EVERY || !isNew) {
@@ -253,6 +265,7 @@ export class Simulator {
     }, 2 * TABLE_EVERY);
   }
 
+  /** @param {import("./wire.js").Frame} frame */
   showNumbers(frame) {
     this.numbers.show(frame);
     this.futures.show(frame);
@@ -265,6 +278,8 @@ export class Simulator {
     if (this.stage.frame) this.plots.draw(this.stage.theme, this.stage.frame);
   }
 
+  /** @param {string} name
+   * @param {boolean} value */
   showOption(name, value) {
     this.parts.tools.get(name)?.setAttribute("aria-pressed", String(value));
     if (name !== "overlay") return;
@@ -287,7 +302,8 @@ export class Simulator {
     return this.root.classList.contains("lecture");
   }
 
-  /** Two panes and a plot, large, for a class to see from the last row. */
+  /** Two panes and a plot, large, for a class to see from the last row.
+   * @param {boolean} isOn */
   setLecture(isOn) {
     this.root.classList.toggle("lecture", isOn);
     this.parts.lecture.setAttribute("aria-pressed", String(isOn));
@@ -298,6 +314,7 @@ export class Simulator {
     this.drawNumbers();
   }
 
+  /** @param {string | undefined} text */
   hint(text) {
     say(this.parts.hint, text ?? "");
     clearTimeout(this.hintGone);

@@ -2,7 +2,7 @@
 
 import { Camera } from "../shared/camera.js";
 import { Canvas } from "../shared/canvas.js";
-import { h } from "../shared/dom.js";
+import { h, there } from "../shared/dom.js";
 import { GridLayer } from "../shared/ground.js";
 import { Selection } from "../shared/selection.js";
 import { readTheme } from "../shared/theme.js";
@@ -38,7 +38,7 @@ export class Stage {
    *   picked: (pane: Pane, place: import("../shared/tool.js").Place) => void,
    *   option: (name: string, value: boolean) => void,
    *   boxed: (robots: number[]) => void,
-   *   drawn: (frame: object | undefined, isNew: boolean, now: number, began: number) => void,
+   *   drawn: (frame: import("./wire.js").Frame | undefined, isNew: boolean, now: number, began: number) => void,
    * }} on
    */
   constructor(root, on) {
@@ -47,16 +47,19 @@ export class Stage {
     this.camera = new Camera();
     this.camera.changed = () => this.redraw();
     this.theme = readTheme(root);
+    /** @type {Record<string, boolean>} */
     this.options = { trails: true, ellipse: true, particles: true, hypotheses: true, grid: true, follow: false, overlay: false };
     this.hidden = new Set(); // names of sensors that are not drawn
     this.trueTrail = new Trail();
     this.estimatedTrail = new Trail();
+    /** @type {import("./wire.js").SensorShape[]} */
     this.trueSensors = []; // of the selected robot, as they are by their true parameters
     this.pictures = new Pictures(() => this.redraw());
     this.picker = new Picker();
     /** @type {Selection<import("./pick.js").Found>} */
     this.selection = new Selection();
     this.selection.listen(() => this.redraw());
+    /** What an event points at. @type {any} */
     this.mark = null;
     /** @type {import("./futures.js").Future[]} */
     this.futures = []; // other courses of events, drawn pale
@@ -117,9 +120,11 @@ export class Stage {
 
   /** @param {import("../shared/world.js").View} view */
   posesOf(view) {
-    return view === "true" ? this.frame.truePoses : this.frame.estimatedPoses;
+    return there(this.frame)[view === "true" ? "truePoses" : "estimatedPoses"];
   }
 
+  /** @param {import("../shared/scene.js").Scene} scene
+   * @param {(name: string) => Promise<any>} pictureOf */
   setScene(scene, pictureOf) {
     this.scene = scene;
     this.pictures.reset(pictureOf);
@@ -130,6 +135,7 @@ export class Stage {
     this.fit();
   }
 
+  /** @param {import("./wire.js").Frame} frame */
   setFrame(frame) {
     this.frame = frame;
     this.mapped.setFrame(frame);
@@ -154,8 +160,9 @@ export class Stage {
    * @param {[number, number] | null} zoom seconds */
   showTimes(zoom) {
     const [from, to] = zoom ?? [-Infinity, Infinity];
+    const { dt } = there(this.scene);
     for (const trail of [this.trueTrail, this.estimatedTrail, ...this.futures.flatMap((one) => [one.trueTrail, one.estimatedTrail])]) {
-      [trail.from, trail.to] = [from / this.scene.dt, to / this.scene.dt];
+      [trail.from, trail.to] = [from / dt, to / dt];
     }
     this.redraw();
   }
@@ -165,7 +172,7 @@ export class Stage {
    * @param {import("../shared/world.js").View} view */
   robotsIn([x0, y0, x1, y1], view) {
     const poses = this.posesOf(view);
-    return this.scene.robots.map((_, i) => i).filter((i) => poses[3 * i] >= x0 && poses[3 * i] <= x1 && poses[3 * i + 1] >= y0 && poses[3 * i + 1] <= y1);
+    return there(this.scene).robots.map((_, i) => i).filter((i) => poses[3 * i] >= x0 && poses[3 * i] <= x1 && poses[3 * i + 1] >= y0 && poses[3 * i + 1] <= y1);
   }
 
   clearTrails() {
@@ -173,6 +180,8 @@ export class Stage {
     this.estimatedTrail.clear();
   }
 
+  /** @param {string} name
+   * @param {boolean} value */
   setOption(name, value) {
     if (this.options[name] === value) return;
     this.options[name] = value;
@@ -182,6 +191,8 @@ export class Stage {
     this.resize();
   }
 
+  /** @param {Pane} pane
+   * @param {import("../shared/tool.js").Place} place */
   pick(pane, place) {
     const { scene, frame, camera, hidden, trueSensors } = this;
     const near = { x: place.x, y: place.y, scale: camera.scale };
@@ -193,14 +204,14 @@ export class Stage {
   fit() {
     this.setOption("follow", false);
     if (!this.scene) return;
-    this.camera.fit(this.scene.map.extent);
+    this.camera.fit(there(this.scene.map).extent);
     const { x, y, scale } = this.camera;
     this.fitted = { x, y, scale };
   }
 
   /** Whether all is seen, as fitted, and nobody has moved it since. */
   get isFitted() {
-    return ["x", "y", "scale"].every((part) => this.fitted?.[part] === this.camera[part]);
+    return /** @type {const} */ (["x", "y", "scale"]).every((part) => this.fitted?.[part] === this.camera[part]);
   }
 
   resize() {
@@ -223,6 +234,7 @@ export class Stage {
     });
   }
 
+  /** @param {number} now */
   draw(now) {
     const began = performance.now();
     this.robot.draw();

@@ -7,7 +7,11 @@ import { gapToLine } from "../shared/spatial.js";
 import { columnOf, mountPoses } from "./mounts.js";
 import { DASHES } from "../shared/theme.js";
 
-/** The things that a finder sees: `visit(line, x0, y0, x, y, angle)`, from the mount to each. */
+/** The things that a finder sees: `visit(line, x0, y0, x, y, angle)`, from the mount to each.
+ * @param {import("./readings.js").Shape} sensor
+ * @param {import("./mounts.js").Pose} pose
+ * @param {ArrayLike<number>} values
+ * @param {(line: number, x0: number, y0: number, x: number, y: number, angle: number) => void} visit */
 function eachFound(sensor, pose, values, visit) {
   const [x0, y0, heading] = mountPoses(sensor, pose)[0];
   const [range, bearing, wide] = [columnOf(sensor, "range"), columnOf(sensor, "bearing"), sensor.columns.length];
@@ -20,13 +24,20 @@ function eachFound(sensor, pose, values, visit) {
   }
 }
 
-/** What a line of the table says that a thing is: a colour's name or an identity; "" where it says neither. */
+/** What a line of the table says that a thing is: a colour's name or an identity; "" where it says neither.
+ * @param {import("./readings.js").Shape} sensor
+ * @param {ArrayLike<number>} values
+ * @param {number} line */
 function nameOf(sensor, values, line) {
   const [colour, id, at] = [columnOf(sensor, "colour"), columnOf(sensor, "id"), line * sensor.columns.length];
   if (colour >= 0) return sensor.drawing.names?.[values[at + colour]] ?? "";
   return id >= 0 && values[at + id] > 0 ? fixed(values[at + id], 0) : "";
 }
 
+/** @param {import("./readings.js").ReadingBrush} brush
+ * @param {import("./readings.js").Shape} sensor
+ * @param {import("./mounts.js").Pose} pose
+ * @param {ArrayLike<number>} values */
 function draw({ context, camera, theme, kind }, sensor, pose, values) {
   const size = 5 / camera.scale;
   const colour = columnOf(sensor, "colour");
@@ -60,7 +71,14 @@ function draw({ context, camera, theme, kind }, sensor, pose, values) {
   });
 }
 
+/** @param {import("./readings.js").Shape} sensor
+ * @param {import("./mounts.js").Pose} pose
+ * @param {ArrayLike<number>} values
+ * @param {number} x
+ * @param {number} y
+ * @param {number} reach */
 function near(sensor, pose, values, x, y, reach) {
+  /** @type {import("./readings.js").Part | null} */
   let best = null;
   eachFound(sensor, pose, values, (i, x0, y0, x1, y1, angle) => {
     let gap = gapToLine(x, y, x0, y0, x1, y1);
@@ -70,6 +88,9 @@ function near(sensor, pose, values, x, y, reach) {
   return best;
 }
 
+/** @param {import("./readings.js").Shape} sensor
+ * @param {import("./readings.js").Reading} reading
+ * @param {import("./readings.js").Part} part */
 function tell(sensor, reading, { i }) {
   const wide = sensor.columns.length;
   const lines = sensor.columns.map(([name, unit], k) => {
@@ -81,7 +102,7 @@ function tell(sensor, reading, { i }) {
   return { title: `${sensor.name}, ${nameOf(sensor, reading.measured, i) || `thing ${i}`}`, lines };
 }
 
-const named = (sensor, colour) => sensor.drawing.names?.[colour] ?? "none";
-const degrees = (angle) => (wrap(angle) * 180) / Math.PI;
+const named = (/** @type {import("./readings.js").Shape} */ sensor, /** @type {number} */ colour) => sensor.drawing.names?.[colour] ?? "none";
+const degrees = (/** @type {number} */ angle) => (wrap(angle) * 180) / Math.PI;
 
 export const things = { draw, near, tell };

@@ -1,11 +1,12 @@
 // The control of time: run, pause, step, reset, speed, and the time line over what was recorded.
 
-import { clock, fixed, h, say } from "../shared/dom.js";
+import { clock, fixed, h, say, there } from "../shared/dom.js";
 import { FLAG } from "./protocol.js";
 
 /** The slider's places; the last, none, is as fast as possible. */
 const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 3, 5, 10, 20, 50, 100, null];
 
+/** @type {Record<string, string>} */
 const ICONS = {
   reset: "M5 12a7 7 0 1 0 2.2-5.1M5 4v4h4",
   run: "M8 5l11 7-11 7z",
@@ -13,6 +14,7 @@ const ICONS = {
   step: "M6 5l9 7-9 7zM18 5v14",
 };
 
+/** @param {string} name */
 function icon(name) {
   const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
   svg.setAttribute("viewBox", "0 0 24 24");
@@ -24,12 +26,13 @@ function icon(name) {
 }
 
 export class TimeBar {
-  /** @param ask says a command of the protocol and shows what went wrong */
+  /** @param {(command: any) => Promise<any>} ask sends a command of the protocol and shows what went wrong */
   constructor(ask) {
     this.ask = ask;
     this.state = {};
     this.isRecorded = false;
-    const button = (name, label, does, extra = {}) =>
+    this.isRunning = false;
+    const button = (/** @type {string} */ name, /** @type {string} */ label, /** @type {() => void} */ does, extra = {}) =>
       h("button", { class: "icon", "aria-label": label, title: label, id: name, onclick: does, ...extra }, icon(name));
     this.reset = button("reset", "reset to the start", () => this.doReset());
     this.run = button("run", "run (Space)", () => this.toggle(), { class: "icon main" });
@@ -84,7 +87,8 @@ export class TimeBar {
     return this.ask({ do: this.isRunning ? "pause" : "run" });
   }
 
-  /** Play a recorded run, whose events are marked: there is nothing to reset or to continue. */
+  /** Play a recorded run, whose events are marked: there is nothing to reset or to continue.
+   * @param {HTMLElement} marks */
   setRecorded(marks) {
     this.isRecorded = true;
     this.timeline.append(marks);
@@ -105,7 +109,7 @@ export class TimeBar {
   }
 
   async doContinue() {
-    await this.ask({ do: "continue", tick: this.frame.tick });
+    await this.ask({ do: "continue", tick: there(this.frame).tick });
   }
 
   /** Show the moment that the time line points at; one request at a time, the newest place next. */
@@ -120,6 +124,8 @@ export class TimeBar {
     this.scrubbing = false;
   }
 
+  /** @param {import("./wire.js").Frame} frame
+   * @param {import("../shared/scene.js").Scene} scene */
   show(frame, scene) {
     this.frame = frame;
     const isRunning = Boolean(frame.states & FLAG.running);
@@ -140,7 +146,7 @@ export class TimeBar {
     const last = Math.max(frame.newest, Math.round(scene.duration / scene.dt));
     this.line.min = "0";
     this.line.max = String(last);
-    this.line.style.setProperty("--recorded", frame.newest / Math.max(last, 1));
+    this.line.style.setProperty("--recorded", String(frame.newest / Math.max(last, 1)));
     if (!this.scrubbing) this.line.value = String(frame.tick);
     const total = `${clock(frame.time)} / ${clock(Math.max(scene.duration, frame.newest * scene.dt))}`;
     say(this.now, total);
@@ -151,7 +157,8 @@ export class TimeBar {
     say(this.pastSaid, `This is the past, ${fixed(frame.time, 1)} s${left}.${why}`);
   }
 
-  /** Whether one can go on from the past moment that is shown, and why not. */
+  /** Whether one can go on from the past moment that is shown, and why not.
+   * @param {import("./wire.js").State} state */
   setState(state) {
     this.reason = state.can_continue === false ? state.reason.replace(/\.$/, "") : "";
     this.carryOn.disabled = Boolean(this.reason);
@@ -159,4 +166,4 @@ export class TimeBar {
   }
 }
 
-const reached = (factor) => (factor >= 20 ? Math.round(factor) : factor.toFixed(1));
+const reached = (/** @type {number} */ factor) => (factor >= 20 ? Math.round(factor) : factor.toFixed(1));

@@ -4,6 +4,7 @@ import { tell } from "../shared/dialogs.js";
 import { h } from "../shared/dom.js";
 import { lostWords } from "../shared/socket.js";
 
+/** @type {Record<string, string>} */
 const WORDS = {
   lost: lostWords(0),
   compiling: "Kernels are being compiled, once after installing: some ten seconds. It goes on by itself.",
@@ -13,12 +14,15 @@ const WORDS = {
 };
 
 export class Warnings {
+  /** @param {HTMLElement} banner
+   * @param {(command: any) => Promise<any>} ask */
   constructor(banner, ask) {
     this.banner = banner;
     this.ask = ask;
     this.shown = "";
   }
 
+  /** @param {any} state */
   show(state) {
     const fault = state.fault;
     const trouble = WORDS[state.status] !== undefined || state.status === "fault";
