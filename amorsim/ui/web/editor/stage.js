@@ -2,18 +2,15 @@
 
 import { there } from "../shared/dom.js";
 import { mapOf } from "../shared/scene.js";
-import { StillRobotLayer, StillStage, atRest, stillFrame } from "../shared/still.js";
-import { BodiesLayer, NamesLayer } from "../shared/world.js";
-import { Carried } from "./carried.js";
+import { StillStage, stillFrame } from "../shared/still.js";
 import { Walls, isIn } from "./geometry.js";
-import { GhostsLayer, startsOf } from "./ghosts.js";
+import { startsOf } from "./ghosts.js";
 import { gripsOf } from "./grips.js";
-import { MarksLayer, PreviewLayer, WordsLayer } from "./layers.js";
 import { thingAt } from "./picking.js";
-import { RulersLayer, WIDE } from "./rulers.js";
+import { WIDE } from "./rulers.js";
 import { EditSight } from "./sight.js";
+import { arrangeLayers } from "./stage_layers.js";
 import { UnderlayLayer } from "./underlay.js";
-import { PlacesLayer, ViewsLayer } from "./views.js";
 
 /** @typedef {import("../shared/tool.js").Place} Place */
 
@@ -67,15 +64,7 @@ export class EditStage extends StillStage {
     this.locked = new Set(); // and those that cannot be picked
     this.pane.edge = WIDE;
     this.underlay = new UnderlayLayer();
-    this.pane.layers.unshift(this.underlay);
-    const bodies = this.pane.layers.findIndex((layer) => layer instanceof BodiesLayer);
-    this.pane.layers.splice(bodies, 0, atRest(new ViewsLayer(this, false)), atRest(new PlacesLayer(this, false)), atRest(new GhostsLayer(this)));
-    const above = new Carried(this);
-    this.pane.layers.push(
-      atRest(new MarksLayer(this, false)),
-      new ViewsLayer(this, true), new PlacesLayer(this, true), new BodiesLayer(above), new StillRobotLayer(above), new NamesLayer(above, "true"), new MarksLayer(this, true),
-      new PreviewLayer(this), new WordsLayer(this), new RulersLayer(() => this.options.grid && this.still !== undefined),
-    );
+    arrangeLayers(this);
   }
 
   /** Show what was read of the document; what is selected stays so, by its path.

@@ -2,7 +2,7 @@
 
 import { niceStep } from "./dom.js";
 import { Layer } from "./layer.js";
-import { drawGrid } from "./marks.js";
+import { drawGrid } from "./world_marks.js";
 
 const LEAST = 40; // pixels between two lines
 

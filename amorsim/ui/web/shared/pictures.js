@@ -1,7 +1,7 @@
 // What maps are drawn with: their lines as paths, their pictures in the colours of the theme.
 
 import { there } from "./dom.js";
-import { tinted, wallPath } from "./marks.js";
+import { tinted, wallPath } from "./world_marks.js";
 
 /** @typedef {import("../simulator/wire.js").MapShape} MapShape */
 
@@ -16,9 +16,9 @@ export class Pictures {
     this.version = 0; // rises whenever maps look otherwise
     /** @type {Map<MapShape, Path2D>} */
     this.paths = new Map();
-    /** @type {Map<MapShape, {image: HTMLImageElement, shades: Map<string, import("./marks.js").Picture[]>}>} */
+    /** @type {Map<MapShape, {image: HTMLImageElement, shades: Map<string, import("./world_marks.js").Picture[]>}>} */
     this.images = new Map();
-    /** Pictures of before, which are shown until the new ones have come. @type {Map<string, Map<string, import("./marks.js").Picture[]>>} */
+    /** Pictures of before, which are shown until the new ones have come. @type {Map<string, Map<string, import("./world_marks.js").Picture[]>>} */
     this.former = new Map();
   }
 

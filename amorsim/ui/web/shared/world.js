@@ -2,8 +2,9 @@
 
 import { drawCrowd } from "./crowd.js";
 import { Layer } from "./layer.js";
-import { drawFloor, drawMap, drawObstacles, drawStanding } from "./marks.js";
+import { drawObstacles } from "./marks.js";
 import { drawNames } from "./names.js";
+import { drawFloor, drawMap, drawStanding } from "./world_marks.js";
 
 /** @typedef {import("./layer.js").Brush} Brush */
 /** @typedef {"true" | "estimated"} View what a pane shows: the world as it is, or as the robot knows it */

@@ -3,7 +3,8 @@
 import { there } from "../shared/dom.js";
 import { drawCloud, drawHypotheses } from "../shared/cloud.js";
 import { trace } from "../shared/footprint.js";
-import { drawBelievedParts, drawEllipse, drawMap, drawMarks, drawRobot, drawTrail } from "../shared/marks.js";
+import { drawBelievedParts, drawEllipse, drawRobot, drawTrail } from "../shared/marks.js";
+import { drawMap, drawMarks } from "../shared/world_marks.js";
 import { SceneLayer, ViewLayer } from "../shared/world.js";
 import { poseAt } from "./futures.js";
 import { drawReadings, isDrawn } from "./readings.js";

@@ -1,6 +1,6 @@
 // What the robot has mapped: the growing map, the scan that was matched, and the pose graph, each with a switch.
 
-import { coloured } from "../shared/marks.js";
+import { coloured } from "../shared/world_marks.js";
 import { SceneLayer } from "../shared/world.js";
 import { Asked } from "./asked.js";
 
@@ -104,7 +104,7 @@ export class MappedLayer extends SceneLayer {
 }
 
 /** @param {CanvasRenderingContext2D} context
- * @param {import("../shared/marks.js").Scaled} camera
+ * @param {import("../shared/world_marks.js").Scaled} camera
  * @param {string} colour
  * @param {number[][]} points */
 function drawPoints(context, camera, colour, points) {
@@ -114,7 +114,7 @@ function drawPoints(context, camera, colour, points) {
 }
 
 /** @param {CanvasRenderingContext2D} context
- * @param {import("../shared/marks.js").Scaled} camera
+ * @param {import("../shared/world_marks.js").Scaled} camera
  * @param {import("../shared/theme.js").Theme} theme
  * @param {number[][]} poses
  * @param {number[][]} edges */

@@ -12,6 +12,7 @@ import { Form } from "../shared/forms.js";
 import { listenToKeys } from "./keys.js";
 import { build } from "./layout.js";
 import { Numbers } from "./numbers.js";
+import { goTo, picked } from "./pointing.js";
 import { Plots } from "./plots.js";
 import { readFrame } from "./protocol.js";
 import { Reader } from "./reader.js";
@@ -59,14 +60,14 @@ export class Simulator {
     const ask = (/** @type {any} */ command) => this.ask(command);
     this.stage = new Stage(root, {
       ask: (command) => this.connection.ask(command),
-      picked: (pane, place) => this.picked(pane, place),
+      picked: (pane, place) => picked(this, pane, place),
       option: (name, value) => this.showOption(name, value),
       boxed: (robots) => this.listRobots(robots),
       drawn: (frame, isNew, now, began) => this.drawn(frame, isNew, now, began),
     });
     this.timebar = new TimeBar(ask);
     this.driving = new Driving(ask, (text) => this.hint(text));
-    this.replay = new Replay(ask, (event) => this.go(event));
+    this.replay = new Replay(ask, (event) => goTo(this, event));
     const change = (/** @type {object} */ command) => this.connection.ask({ ...command, robot: this.robot.name }).then((/** @type {any} */ said) => this.reader.readParametersSoon(said));
     this.form = new Form({
       ask: (/** @type {any} */ command) => this.connection.ask(command),
@@ -89,7 +90,7 @@ export class Simulator {
       fileName: () => this.saving.fileName,
     });
     this.events = new Events(this.parts.events, {
-      go: (/** @type {import("./wire.js").EventLine} */ event) => this.go(event),
+      go: (/** @type {import("./wire.js").EventLine} */ event) => goTo(this, event),
       stack: (/** @type {import("./wire.js").EventLine} */ event) => tell("What the controller raised", h("pre", { tabindex: "0" }, event.stack)),
     });
     this.stage.selection.listen((selection) => (this.parts.card.hidden = !selection.only));
@@ -202,32 +203,6 @@ export class Simulator {
     const said = await this.ask({ do: "restore", robot: this.robot.name });
     if (said.ok) this.form.forget();
     this.reader.readParametersSoon(said);
-  }
-
-  /** @param {import("./wire.js").EventLine} event */
-  async go(event) {
-    if (event.point) {
-      this.stage.mark = { point: event.point, tick: event.tick };
-      this.stage.setOption("follow", false);
-      this.stage.camera.centre(event.point[0], event.point[1]);
-    }
-    const index = this.scene.robots.findIndex((/** @type {{name: string}} */ robot) => robot.name === event.robot);
-    if (index >= 0 && index !== this.selected) await this.ask({ do: "select", robot: index });
-    if (this.newest.tick !== event.tick) await this.ask({ do: "scrub", tick: event.tick });
-  }
-
-  /** Something was pointed at, or nothing: tell what it is, and turn to a robot.
-   * @param {any} pane
-   * @param {import("../shared/tool.js").Place} place */
-  picked(pane, { left, top }) {
-    const found = this.stage.selection.only;
-    if (!found) return;
-    this.parts.card.replaceChildren(h("strong", {}, found.title), ...found.lines.map((line) => h("div", {}, line)));
-    const box = pane.canvas.getBoundingClientRect();
-    const { magnify } = pane;
-    this.parts.card.style.left = `${Math.min(box.left + left * magnify + 14, innerWidth - 330)}px`;
-    this.parts.card.style.top = `${Math.min(box.top + top * magnify + 14, innerHeight - 150)}px`;
-    if (found.robot !== undefined && found.robot !== this.selected) this.ask({ do: "select", robot: found.robot });
   }
 
   /** @param {number} step */
