@@ -68,7 +68,8 @@ def bind_hearing(
     cast = np.empty((len(receivers), len(_FAN)))
     surfaces = acoustics.Surfaces(bearings, cast, np.empty(cast.shape, dtype=np.int64), view.bodies().owner.copy())
     nearest, limits = np.empty(cast.shape), np.empty(len(receivers))
-    look = view.bind_look(receivers, bearings, limits, surfaces.ranges, surfaces.thing, nearest)
+    look_alone = view.bind_look(receivers, bearings, limits, surfaces.ranges, surfaces.thing, nearest)
+    look_in_company = view.bind_look(receivers, bearings, limits, surfaces.ranges, surfaces.thing)
     rooms: dict[int, acoustics.Facing] = {}
 
     def hear() -> Array:
@@ -82,7 +83,10 @@ def bind_hearing(
         earshot.face(listeners, emitters, _FAN, SOUND, facing)
         if facing.is_done.all():
             return heard
-        look()
+        if count == listens.shape[1]:
+            look_alone()
+        else:  # where others fire, too, most rays matter
+            look_in_company()
         sounds = _sounds(listeners, emitters, facing, surfaces)
         begin = sounds.first[:-1].copy()
         # Try sounds in order of arrival until each listener has one that nothing blocks.

@@ -27,6 +27,9 @@ _X, _Y, _ACROSS, _SHORTEST, _LONGEST, _EDGES = range(6)
 _COLUMNS = _EDGES + 6
 
 
+_FEW = 2  # emitters up to which the distances that count are found for each ray of a cone
+
+
 @part
 def _is_beyond(nx: float, ny: float, x: float, y: float, emitter: Floats) -> bool:
     """Whether a cone with its tip at (x, y) is wholly on the side (nx, ny) of a line through the origin."""
@@ -176,11 +179,19 @@ def face(listeners: Listeners, emitters: Emitters, fan: Floats, speed: float, fa
                 facing.hears[m, i] = True
                 candidates += 1
             facing.is_done[m], facing.limit[m] = candidates == 0, -1.0
+            # Of many emitters some sound may come by nearly every ray: then only whether any does is found out.
+            is_by_ray = candidates <= _FEW
             for f in range(fan.shape[0] if candidates else 0):
+                facing.nearest[m, f] = 0.0
+                if not is_by_ray and facing.limit[m] >= 0.0:
+                    continue
                 dx, dy = direction(axes[0], axes[1], cosines[f], sines[f])
                 first = math.inf
                 for c in range(candidates):
                     first = min(first, _meets_at(dx, dy, limit, near[c]))
-                facing.nearest[m, f] = first
+                    if not is_by_ray and first < math.inf:
+                        break
                 if first < math.inf:
                     facing.limit[m] = limit
+                if is_by_ray:
+                    facing.nearest[m, f] = first
