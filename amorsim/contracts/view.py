@@ -270,7 +270,7 @@ class View(Protocol):
 
         It keeps `origins`, and the `limits` `(M,)` [m] of their beams, too: a limit below 0 leaves an origin out, whose
         beams then have any range and thing. If hits nearer than `nearest` `(M, k)` [m] do not matter, give that, too:
-        beams that are sure to hit a wall sooner then have the range 0, and need not be cast.
+        beams that are sure to hit a wall sooner then have the range 0 and the thing -1, and need not be cast.
         """
 
     def normals(

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from amorsim.core.errors import AmorsimError
-from amorsim.plugins.registry import KINDS, Registry
+from amorsim.plugins.registry import Registry
 from amorsim.scenario.documents.document import Document
 from amorsim.ui.editor.inspectors.thing_fields import ThingFields
+from amorsim.ui.forms.manuals import registered_as
 
 __all__ = ["component_of"]
 
@@ -21,8 +22,7 @@ def component_of(document: Document, path: str, registry: Registry) -> tuple[str
     inner = tuple(int(part) if part.isdigit() else part for part in parts[length:])
     for end in range(len(inner), -1, -1):
         cls = thing.class_at(inner[:end])
-        for kind, contract in KINDS.items():
-            name = registry.name_of(kind, cls) if cls is not None and issubclass(cls, contract) else None
-            if name is not None:
-                return kind, name
+        component = None if cls is None else registered_as(cls, registry)
+        if component is not None:
+            return component
     return None
