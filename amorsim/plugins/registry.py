@@ -265,6 +265,15 @@ class Registry:
                 return entry.name
         return None
 
+    @checked
+    def component_of(self, cls: type) -> tuple[str, str] | None:
+        """The kind and the name that a component's class is registered under; None if it is not registered."""
+        for kind, contract in KINDS.items():
+            name = self.name_of(kind, cls) if issubclass(cls, contract) else None
+            if name is not None:
+                return kind, name
+        return None
+
     # ---------------------------------------------------------------------------------------------- within
 
     def _add(self, kind: str, name: str, target: type | str | Path) -> None:

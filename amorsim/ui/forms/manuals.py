@@ -6,30 +6,21 @@ from typing import TypedDict
 
 from amorsim.analysis.reference import FILES, manual_parts
 from amorsim.core.errors import AmorsimError
-from amorsim.plugins.registry import KINDS, Registry
+from amorsim.plugins.registry import Registry
 from amorsim.scenario.spec import Robot
 from amorsim.ui.forms.live import places_of
 
-__all__ = ["Manual", "components_of", "manual_of", "registered_as"]
+__all__ = ["Manual", "components_of", "manual_of"]
 
 
 def components_of(robot: Robot, registry: Registry) -> dict[str, tuple[str, str]]:
     """The kind and the registered name of each part of a robot that has one, by its path in the robot."""
     found: dict[str, tuple[str, str]] = {}
     for path, thing in places_of(robot):
-        component = registered_as(type(thing), registry)
+        component = registry.component_of(type(thing))
         if component is not None:
             found[path] = component
     return found
-
-
-def registered_as(cls: type, registry: Registry) -> tuple[str, str] | None:
-    """The kind and the registered name of a component's class; None if it is not registered."""
-    for kind, contract in KINDS.items():
-        name = registry.name_of(kind, cls) if issubclass(cls, contract) else None
-        if name is not None:
-            return kind, name
-    return None
 
 
 class Manual(TypedDict):

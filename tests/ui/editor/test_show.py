@@ -36,7 +36,6 @@ def test_the_address_is_printed_before_the_process_that_reads_is_started(
     assert done == ["listens", "http://127.0.0.1:1234", "reads"]
 
 
-@pytest.mark.long
 def test_the_server_does_not_load_the_engine() -> None:
     loaded = subprocess.run([sys.executable, "-c", LOADED], capture_output=True, text=True, check=True).stdout.split()
     assert set(loaded) <= {"amorsim.simulation", "amorsim.simulation.events"}

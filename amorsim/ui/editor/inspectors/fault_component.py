@@ -6,7 +6,6 @@ from amorsim.core.errors import AmorsimError
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.documents.document import Document
 from amorsim.ui.editor.inspectors.thing_fields import ThingFields
-from amorsim.ui.forms.manuals import registered_as
 
 __all__ = ["component_of"]
 
@@ -22,7 +21,7 @@ def component_of(document: Document, path: str, registry: Registry) -> tuple[str
     inner = tuple(int(part) if part.isdigit() else part for part in parts[length:])
     for end in range(len(inner), -1, -1):
         cls = thing.class_at(inner[:end])
-        component = None if cls is None else registered_as(cls, registry)
+        component = None if cls is None else registry.component_of(cls)
         if component is not None:
             return component
     return None
