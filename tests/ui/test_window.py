@@ -17,6 +17,17 @@ from tests.ui.windows import SIMULATOR, Server, Window, axe_violations, eventual
 LEFT_WHEEL = "errors.drive.wheel_radius_left.scale"
 
 
+# ------------------------------------------------------------------------------------------------------------ opening
+
+
+@pytest.mark.long
+def test_a_page_comes_with_all_that_it_needs(window: Window) -> None:
+    """One by one, its scripts would be eighty requests; the socket is none of these."""
+    window.page.reload()
+    window.until("stage.frame")
+    assert window.page.evaluate("performance.getEntriesByType('resource').map(({ name }) => name)") == []
+
+
 # ------------------------------------------------------------------------------------------------------------ driving
 
 

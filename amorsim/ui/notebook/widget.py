@@ -12,7 +12,7 @@ from typing import Any
 from amorsim.core.arguments import checked
 from amorsim.core.errors import AmorsimError
 from amorsim.simulation.simulation import Simulation
-from amorsim.ui.run_page.single_file import single_file
+from amorsim.ui.serve.document import closed_document
 from amorsim.ui.simulator.live import Live
 
 __all__ = ["REFUSED", "widget"]
@@ -60,7 +60,7 @@ def widget(simulation: Simulation, *, height: int = 560) -> Any:
 @functools.cache
 def _page() -> str:
     """The window's page, gzipped, in base64."""
-    page = single_file("amorsim", "simulator/notebook.js")
+    page = closed_document("simulator/notebook.js")
     return base64.b64encode(gzip.compress(page.encode(), 9, mtime=0)).decode()
 
 

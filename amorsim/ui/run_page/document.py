@@ -10,7 +10,7 @@ from pathlib import Path
 from amorsim.core.arguments import checked, path_of
 from amorsim.core.files.atomic_files import write_text
 from amorsim.ui.run_page.contents import contents_of
-from amorsim.ui.run_page.single_file import single_file
+from amorsim.ui.serve.document import closed_document
 from amorsim.ui.simulator.sources.recording import Recording
 
 __all__ = ["run_page"]
@@ -54,7 +54,8 @@ def run_page(
         if replica is not None:
             recording.choose(replica)
         contents = base64.b64encode(gzip.compress(contents_of(recording), 9, mtime=0)).decode()
-        page = single_file(recording.scene["scenario"], _START, contents)
+        title = f"{recording.scene['scenario']} · amorsim"
+        page = closed_document(_START, title=title, contents=contents)
     finally:
         recording.close()
     write_text(path, page, within=folder if out is None else None)

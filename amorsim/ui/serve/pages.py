@@ -11,14 +11,16 @@ import attrs
 
 from amorsim.core.errors import AmorsimError
 
-__all__ = ["KINDS", "WEB", "Page", "Pages", "Talks"]
+__all__ = ["KINDS", "SIMULATOR_STYLES", "WEB", "Page", "Pages", "Talks"]
 
 WEB = Path(__file__).parent.parent / "web"
-KINDS = {
-    "run": "simulator",
-    "edit": "editor",
-    "faults": "faults",
-}  # the folder in `WEB` whose ``page.html`` a kind of page is
+LOOK = "shared/look.css"
+SIMULATOR_STYLES = ("vendor/uplot/uPlot.min.css", LOOK, "simulator/page.css")
+KINDS: Mapping[str, tuple[str, tuple[str, ...]]] = {
+    "run": ("simulator/main.js", SIMULATOR_STYLES),
+    "edit": ("editor/editor.js", (LOOK, "editor/page.css")),
+    "faults": ("faults/faults.js", (LOOK, "faults/page.css")),
+}  # the script that starts a kind of page, and its styles; in `WEB`
 
 _ODD = re.compile(r"[^A-Za-z0-9_.-]+")
 
@@ -54,11 +56,6 @@ class Page:
     def path(self) -> str:
         """Where it is served."""
         return f"/{self.kind}/{self.name}"
-
-    @property
-    def file(self) -> Path:
-        """Its markup."""
-        return WEB / KINDS[self.kind] / "page.html"
 
 
 class Pages:

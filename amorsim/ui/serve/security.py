@@ -34,12 +34,11 @@ HEADERS = (
     (b"referrer-policy", b"no-referrer"),
     (b"cross-origin-resource-policy", b"same-origin"),
     (b"cross-origin-opener-policy", b"same-origin"),
-    # Scripts and styles are files of ours: nothing in a page runs, and no text becomes a script.
-    (
-        b"content-security-policy",
-        b"default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; "
-        b"base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
-    ),
+)
+# Scripts and styles are files of ours, or have the answer's own nonce: no text becomes a script.
+POLICY = (
+    "default-src 'none'; script-src 'self'{0}; style-src 'self'{0}; img-src 'self' data: blob:; "
+    "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
 OPEN = "Open the address that the terminal printed last; each works once."
 # The cookie is `SameSite=Strict`: after a redirect from a page elsewhere (a terminal in the browser) it would not be
@@ -148,7 +147,8 @@ class Guard:
         # What is not found is written into the log with its address.
         if b"token=" in scope.get("query_string", b""):
             scope["query_string"] = b""
-        await self.app(scope, receive, send if scope["type"] == "websocket" else _with_headers(send))
+        nonce = scope["nonce"] = secrets.token_urlsafe(16)
+        await self.app(scope, receive, send if scope["type"] == "websocket" else _with_headers(send, nonce))
 
     def _stranger(self, scope: Scope, headers: _Headers, token: str) -> str:
         """Why this request is not from a page of this server; empty if it is."""
@@ -238,12 +238,16 @@ def _same(origin: str, host: str) -> bool:
     return is_origin and parts.netloc.lower() == host.lower()
 
 
-def _with_headers(send: Send) -> Send:
+def _with_headers(send: Send, nonce: str = "") -> Send:
+    """Answers have our headers; in them scripts and styles with the nonce are allowed."""
+    own = f" 'nonce-{nonce}'" if nonce else ""
+    headers = (*HEADERS, (b"content-security-policy", POLICY.format(own).encode()))
+
     async def guarded(message: MutableMapping[str, Any]) -> None:
         if message["type"] == "http.response.start":
-            ours = {name for name, _ in HEADERS}
+            ours = {name for name, _ in headers}
             kept = [(key, value) for key, value in message.get("headers", ()) if key.lower() not in ours]
-            message = {**message, "headers": [*kept, *HEADERS]}
+            message = {**message, "headers": [*kept, *headers]}
         await send(message)
 
     return guarded

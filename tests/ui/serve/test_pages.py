@@ -7,7 +7,7 @@ import re
 import pytest
 
 from amorsim.core.errors import AmorsimError
-from amorsim.ui.serve.pages import KINDS, Pages
+from amorsim.ui.serve.pages import KINDS, WEB, Pages
 from tests.ui.stub import StubSession
 
 
@@ -27,8 +27,10 @@ def test_sessions_have_names_of_their_own_that_need_no_quoting() -> None:
 def test_a_page_is_of_a_kind_that_there_is() -> None:
     with pytest.raises(AmorsimError, match="expected a kind of page, 'run', 'edit', 'faults'; got 'fly'"):
         Pages().add("fly", "demo", StubSession())
-    for kind in KINDS:
-        assert Pages().add(kind, "demo", StubSession()).file.is_file()
+    for kind, (start, styles) in KINDS.items():
+        assert Pages().add(kind, "demo", StubSession()).kind == kind
+        for name in (start, *styles):
+            assert (WEB / name).is_file()
 
 
 def test_a_page_that_is_removed_is_gone_and_its_name_free_again() -> None:

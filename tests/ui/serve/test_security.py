@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import base64
 import contextlib
 import json
@@ -240,14 +241,27 @@ def test_no_path_leads_out_of_the_scripts_folder(user: Server, path: str) -> Non
     assert b"root:" not in answer.body
 
 
-def test_the_policy_allows_scripts_and_styles_from_files_of_ours_alone(stranger: Server, user: Server) -> None:
-    for answer in (user.ask("/run/one"), user.ask("/nothing"), stranger.ask("/")):
+def test_the_policy_allows_scripts_and_styles_from_files_of_ours_or_with_a_nonce_of_the_answer_alone(
+    stranger: Server, user: Server
+) -> None:
+    nonces: set[str] = set()
+    for answer in (user.ask("/run/one"), user.ask("/run/one"), user.ask("/nothing"), stranger.ask("/")):
         parts = answer.headers["content-security-policy"].split("; ")
         policy = {name: sources for name, _, sources in (part.partition(" ") for part in parts)}
         assert policy["default-src"] == "'none'"
-        assert policy["script-src"] == policy["style-src"] == policy["connect-src"] == "'self'"
+        assert policy["connect-src"] == "'self'"
+        assert policy["script-src"] == policy["style-src"]
+        own, _, nonce = policy["script-src"].partition(" ")
+        assert own == "'self'"
+        if nonce:
+            value = nonce.removeprefix("'nonce-").removesuffix("'")
+            assert len(value) >= 16
+            assert value not in nonces
+            nonces.add(value)
+            assert answer.body.count(f'nonce="{value}"'.encode()) == (3 if answer.status == 200 else 0)
         assert "unsafe" not in answer.headers["content-security-policy"]
         assert policy["frame-ancestors"] == policy["base-uri"] == policy["form-action"] == "'none'"
+    assert len(nonces) == 3  # not of what strangers get
 
 
 # ---------------------------------------------------------------------------------------------------- before the door
@@ -442,6 +456,23 @@ def test_a_taken_port_is_an_error_of_ours() -> None:
         port = first.getsockname()[1]
         with pytest.raises(AmorsimError, match=f"port {port}.*--port"):
             listen("127.0.0.1", port)
+
+
+def test_an_answer_is_sent_at_once_and_does_not_wait_for_the_visitor_to_confirm_a_part() -> None:
+    async def options() -> list[int]:
+        found: list[int] = []
+
+        def visited(_: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+            found.append(writer.get_extra_info("socket").getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY))
+            writer.close()
+
+        async with await asyncio.start_server(visited, sock=listen("127.0.0.1", 0)) as server:
+            reader, writer = await asyncio.open_connection(*server.sockets[0].getsockname())
+            await reader.read()
+            writer.close()
+        return found
+
+    assert asyncio.run(options()) == [1]
 
 
 @pytest.mark.parametrize("host", ["no.such.host.invalid", "300.1.1.1", "192.0.2.1", "::ffff:192.0.2.1", "a b"])

@@ -2,7 +2,7 @@
 
 import { h } from "../shared/dom.js";
 
-const VENDOR = new URL("../vendor/codemirror/codemirror.js", import.meta.url).href;
+const VENDOR = "amorsim/vendor/codemirror/codemirror.js";
 
 /** @typedef {{text: string, help: string}} Choice */
 /** What may stand at a place of a text: in its lines, at the end of the part of line number `line` that is before the cursor. `from` is
