@@ -9,8 +9,10 @@ from __future__ import annotations
 
 import re
 import struct
+import textwrap
 import types
 import typing
+from collections.abc import Callable, Sequence
 from enum import IntFlag
 from pathlib import Path
 from typing import Any
@@ -20,9 +22,10 @@ from amorsim.ui.scene import wire as scenes
 from amorsim.ui.simulator.frames import packing, protocol
 from amorsim.ui.simulator.frames.messages import COMMANDS
 
-FILE = Path(__file__).parent.parent / "amorsim" / "ui" / "web" / "simulator" / "wire.js"
-HEAD = """// Made by tools/make_wire.py from what amorsim/ui/{scene, simulator, faults} say: change it there.
-"""
+FOLDER = Path(__file__).parent.parent / "amorsim" / "ui" / "web" / "simulator"
+HEAD = "// Made by tools/make_wire.py from what amorsim/ui/{scene, simulator, faults} say: change it there.\n"
+LONGEST = 120  # letters of a line
+NO_BREAK = "\N{NO-BREAK SPACE}"
 READERS = {"I": "Uint32", "i": "Int32", "f": "Float32", "d": "Float64"}
 ARRAYS = {"f8": "Float64Array", "f4": "Float32Array", "u1": "Uint8Array"}
 PLAIN = {str: "string", int: "number", float: "number", bool: "boolean", types.NoneType: "null", Any: "any"}
@@ -40,7 +43,7 @@ def flags_of(name: str, flags: type[IntFlag]) -> str:
 
 
 def type_of(hint: Any) -> str:
-    """A type as JSDoc has it."""
+    """A type as TypeScript has it."""
     if hint in PLAIN:
         return PLAIN[hint]
     origin, inner = typing.get_origin(hint), typing.get_args(hint)
@@ -54,28 +57,52 @@ def type_of(hint: Any) -> str:
     raise TypeError(f"no type of scripts is known for {hint!r}")
 
 
-def typedef(table: Any) -> str:
-    """A table's type."""
-    hints = typing.get_type_hints(table)
-    lines = [f"/**\n * {(table.__doc__ or '').splitlines()[0]}\n * @typedef {{object}} {table.__name__}"]
-    for name, hint in hints.items():
-        shown = f"[{name}]" if name in table.__optional_keys__ else name
-        lines.append(f" * @property {{{type_of(hint)}}} {shown}")
-    return "\n".join([*lines, " */"])
+def interface(name: str, about: str, fields: Sequence[tuple[str, str]]) -> str:
+    """The declaration of a table's type, of a name and a type for each field."""
+    parts = [f"{field}: {kind}" for field, kind in fields]
+    line = f"export interface {name} {{ {'; '.join(parts)} }}"
+    if len(line) > LONGEST:
+        inner = textwrap.wrap("; ".join(part.replace(" ", NO_BREAK) for part in parts), LONGEST - 2)
+        line = "\n".join([f"export interface {name} {{", *(f"  {one}" for one in inner), "}"]).replace(NO_BREAK, " ")
+    return f"/** {about} */\n{line}\n"
 
 
-def frame_type() -> str:
-    """A frame's type, as `readFrame` makes it of its bytes."""
-    lines = ["/**", " * A moment, of one robot all; `sensors` are its readings.", " * @typedef {object} Frame"]
-    lines += [f" * @property {{number}} {camel(name)}" for name, form in packing.HEADER if form in READERS]
-    lines += [f" * @property {{{ARRAYS[form]}}} {camel(name)}" for name, form, _, _ in packing.BLOCKS]
+def interface_of(table: Any) -> str:
+    """The type of a table."""
+    fields = [
+        (f"{name}?" if name in table.__optional_keys__ else name, type_of(hint))
+        for name, hint in typing.get_type_hints(table).items()
+    ]
+    return interface(table.__name__, (table.__doc__ or "").splitlines()[0], fields)
+
+
+def frame_interface() -> str:
+    """The type of a frame, as `readFrame` makes it of its bytes."""
+    numbers = [(camel(name), "number") for name, form in packing.HEADER if form in READERS]
+    arrays = [(camel(name), ARRAYS[form]) for name, form, _, _ in packing.BLOCKS]
+    sensors = ("sensors", "{true: Float64Array, measured: Float64Array, age: number}[]")
+    return interface("Frame", "A moment, of one robot all; `sensors` are its readings.", [*numbers, *arrays, sensors])
+
+
+def declarations() -> str:
+    """The types of messages."""
+    modules = (scenes, protocol, lines, mending)
+    tables = [one for module in modules for name in module.__all__ if typing.is_typeddict(one := getattr(module, name))]
+    names = textwrap.wrap(" | ".join(f'"{name}"' for name in COMMANDS), LONGEST - 2)
+    command = "\n".join(["export type CommandName =", *(f"  {one}" for one in names)])
     return "\n".join(
-        [*lines, " * @property {{true: Float64Array, measured: Float64Array, age: number}[]} sensors", " */"]
+        [
+            HEAD,
+            frame_interface(),
+            f"{command};\n",
+            interface("Command", "What a window asks for.", [("do", "CommandName"), ("[key: string]", "unknown")]),
+            *map(interface_of, tables),
+        ]
     )
 
 
 def script() -> str:
-    """The whole file."""
+    """The layout of frames."""
     fields, at = [], 0
     for name, form in packing.HEADER:
         if form in READERS:
@@ -86,9 +113,6 @@ def script() -> str:
         for name, form, counted, each in packing.BLOCKS
     ]
     constructor = " | ".join(f"{kind}Constructor" for kind in ARRAYS.values())
-    names = " | ".join(f'"{name}"' for name in COMMANDS)
-    modules = (scenes, protocol, lines, mending)
-    tables = [one for module in modules for name in module.__all__ if typing.is_typeddict(one := getattr(module, name))]
     magic = int.from_bytes(packing.MAGIC, "little")
     parts = [
         HEAD,
@@ -106,14 +130,13 @@ def script() -> str:
         "export const BLOCKS = [",
         *blocks,
         "];\n",
-        frame_type(),
-        f"\n/** @typedef {{{names}}} CommandName */",
-        '\n/** @typedef {{"do": CommandName, [key: string]: unknown}} Command */\n',
-        "\n\n".join(typedef(table) for table in tables),
-        "",
     ]
     return "\n".join(parts)
 
 
+FILES: dict[str, Callable[[], str]] = {"wire.js": script, "messages.d.ts": declarations}
+
+
 if __name__ == "__main__":
-    FILE.write_text(script(), encoding="utf-8")
+    for file, text in FILES.items():
+        (FOLDER / file).write_text(text(), encoding="utf-8")

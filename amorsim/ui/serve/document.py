@@ -38,6 +38,7 @@ def document(
     contents
         Text for the page's scripts, without markup.
     """
+    held = f'<script type="text/plain" id="contents">{contents}</script>\n' if contents else ""
     allowed = f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n' if policy else ""
     scripts = json.dumps({"imports": {_PREFIX: _SERVED, **_scripts(start)}}, separators=(",", ":"))
     sheets = "\n".join((WEB / name).read_text(encoding="utf-8") for name in styles)
@@ -56,8 +57,7 @@ def document(
 </head>
 <body>
 <main class="amorsim"><noscript>This page of amorsim needs JavaScript.</noscript></main>
-<script type="text/plain" id="run">{contents}</script>
-<script type="module" nonce="{nonce}">import "{_PREFIX}{start}";</script>
+{held}<script type="module" nonce="{nonce}">import "{_PREFIX}{start}";</script>
 </body>
 </html>
 """

@@ -20,4 +20,5 @@ def tool() -> ModuleType:
 
 def test_the_scripts_know_the_messages_as_they_are() -> None:
     made = tool()
-    assert made.FILE.read_text(encoding="utf-8") == made.script(), "run: python tools/make_wire.py"
+    for name, text in made.FILES.items():
+        assert (made.FOLDER / name).read_text(encoding="utf-8") == text(), "run: python tools/make_wire.py"

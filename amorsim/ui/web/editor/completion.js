@@ -30,7 +30,7 @@ export async function choicesAt(page, lines, line, before) {
   if (!said.ok) return null;
   const sections = /** @type {any[]} */ (said.sections);
   const section = sections.find((/** @type {any} */ one) => one.path === path);
-  const own = /** @type {import("../simulator/wire.js").FieldForm[]} */ (sections.flatMap(({ fields }) => fields)).filter((field) => field.path.startsWith(`${path}.`) && !field.path.slice(path.length + 1).includes("."));
+  const own = /** @type {import("../simulator/messages.d.ts").FieldForm[]} */ (sections.flatMap(({ fields }) => fields)).filter((field) => field.path.startsWith(`${path}.`) && !field.path.slice(path.length + 1).includes("."));
   if (key) {
     const inside = sections.filter((one) => one.path.startsWith(`${path}.`) && !one.path.slice(path.length + 1).includes("."));
     const choices = [
@@ -46,7 +46,7 @@ export async function choicesAt(page, lines, line, before) {
   return values ? { from: before.length - value[2].length, choices: values.map((/** @type {string} */ one) => ({ text: `"${one}"`, help: "" })) } : null;
 }
 
-const unitOf = (/** @type {import("../simulator/wire.js").FieldForm} */ { widget }) => (widget?.unit ? `[${widget.unit}]` : "");
+const unitOf = (/** @type {import("../simulator/messages.d.ts").FieldForm} */ { widget }) => (widget?.unit ? `[${widget.unit}]` : "");
 
 /** The values that a form offers.
  * @param {any} widget

@@ -121,7 +121,7 @@ export const isIn = ([a, b, c, d], [x0, y0, x1, y1]) =>
   Math.min(a, c) >= x0 && Math.max(a, c) <= x1 && Math.min(b, d) >= y0 && Math.max(b, d) <= y1;
 
 /** The box about a footprint at a pose: x0, y0, x1, y1.
- * @param {import("../simulator/wire.js").Outline} footprint
+ * @param {import("../simulator/messages.d.ts").Outline} footprint
  * @param {number[]} pose */
 export function boxOf(footprint, [x, y, heading]) {
   if (footprint.circle) return [x - footprint.circle, y - footprint.circle, x + footprint.circle, y + footprint.circle];
@@ -132,7 +132,7 @@ export function boxOf(footprint, [x, y, heading]) {
 }
 
 /** Whether a point is within a footprint at a pose.
- * @param {import("../simulator/wire.js").Outline} footprint
+ * @param {import("../simulator/messages.d.ts").Outline} footprint
  * @param {number[]} pose
  * @param {number} x
  * @param {number} y */

@@ -111,7 +111,7 @@ export function faultsAndLacks(faults, isNew) {
 }
 
 /** The faults, each a button that leads to what it is about, and beside it the manual of the component that it is in.
- * @param {(import("../simulator/wire.js").FaultLine & {at: string, component: [string, string] | null})[]} faults
+ * @param {(import("../simulator/messages.d.ts").FaultLine & {at: string, component: [string, string] | null})[]} faults
  * @param {(at: string) => void} go
  * @param {import("../shared/manual.js").Ask} ask */
 export function faultButtons(faults, go, ask) {

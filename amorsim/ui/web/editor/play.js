@@ -53,7 +53,7 @@ async function begin(page, playing) {
 
 /** @param {import("./editor.js").EditorPage} page
  * @param {any} playing
- * @param {import("../simulator/wire.js").Frame} frame */
+ * @param {import("../simulator/messages.d.ts").Frame} frame */
 function frameCame(page, playing, frame) {
   playing.connection.drawn(frame.number);
   if (!playing.robots || !page.stage.frame) return;

@@ -12,7 +12,7 @@ export class EditSight extends Sight {
   }
 
   /** Whether the view stays: while walls are drawn, or the map cannot be read. All of another world is to be seen.
-   * @param {import("../simulator/wire.js").Still | null} still */
+   * @param {import("../simulator/messages.d.ts").Still | null} still */
   keeps(still) {
     if (!still || still.scene.map === null) return true;
     const note = this.edited.byPath.get("world")?.note ?? "";

@@ -16,7 +16,7 @@ import { UnderlayLayer } from "./underlay.js";
 
 /**
  * A thing of the document, as `Thing` in amorsim/ui/editor/inspectors/things.py.
- * @typedef {{path: string, kind: string, name: string, note: string, footprint: import("../simulator/wire.js").Outline | null, pose: number[] | null,
+ * @typedef {{path: string, kind: string, name: string, note: string, footprint: import("../simulator/messages.d.ts").Outline | null, pose: number[] | null,
  *   shape: string, moves: boolean, turns: boolean, robots: number[], obstacles: number[], places: import("./grips.js").PlaceOf[],
  *   mounts: {sensor: string, pose: number[], range_max: number | null, opening: number | null, key: string}[], faults: number}} Thing
  */
@@ -68,7 +68,7 @@ export class EditStage extends StillStage {
   }
 
   /** Show what was read of the document; what is selected stays so, by its path.
-   * @param {{still: import("../simulator/wire.js").Still | null, things: Thing[]}} drawn
+   * @param {{still: import("../simulator/messages.d.ts").Still | null, things: Thing[]}} drawn
    * @param {(name: string) => Promise<string | null>} pictureOf */
   update({ still, things }, pictureOf) {
     const chosen = this.selection.things;

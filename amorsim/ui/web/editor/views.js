@@ -111,9 +111,9 @@ function moved(mount, before, now) {
 }
 
 /** A sensor whose view is being stretched.
- * @param {import("../simulator/wire.js").SensorShape} sensor
+ * @param {import("../simulator/messages.d.ts").SensorShape} sensor
  * @param {{sensor: string, range: number, angle: number} | null} by
- * @returns {import("../simulator/wire.js").SensorShape} */
+ * @returns {import("../simulator/messages.d.ts").SensorShape} */
 function stretched(sensor, by) {
   if (by?.sensor !== sensor.name) return sensor;
   const bearings = sensor.mounts.length > 1 ? sensor.bearings : (sensor.bearings?.map((bearing) => bearing * by.angle) ?? null);
@@ -135,7 +135,7 @@ function placed(pose, mount) {
 /** What a sensor sees from one of its mounts: a cone, or the sector of its beams.
  * @param {number[]} mount
  * @param {CanvasRenderingContext2D} context
- * @param {import("../simulator/wire.js").SensorShape} sensor
+ * @param {import("../simulator/messages.d.ts").SensorShape} sensor
  * @param {number} n */
 function trace(context, sensor, mount, n) {
   const [x, y, heading] = mount;

@@ -9,7 +9,7 @@ import { faultList } from "./list.js";
 
 const STARTING = "No faults any more. The simulation is being started; this page goes on to it by itself.";
 
-/** @typedef {import("../simulator/wire.js").FaultyFile} FaultyFile */
+/** @typedef {import("../simulator/messages.d.ts").FaultyFile} FaultyFile */
 
 export class FaultsPage {
   /** @param {HTMLElement} root */
@@ -165,7 +165,7 @@ export class FaultsPage {
 }
 
 /** Why there is less to see than one might expect.
- * @param {import("../simulator/wire.js").Still | null} still */
+ * @param {import("../simulator/messages.d.ts").Still | null} still */
 function lackOf(still) {
   if (!still) return "nothing of this file can be drawn";
   const lacks = still.scene.map === null ? ["no map can be read"] : [];

@@ -2,7 +2,7 @@
 
 import { h } from "../shared/dom.js";
 
-/** @typedef {import("../simulator/wire.js").FaultLine} FaultLine */
+/** @typedef {import("../simulator/messages.d.ts").FaultLine} FaultLine */
 
 /** Where a fault is: file and line.
  * @param {FaultLine} fault

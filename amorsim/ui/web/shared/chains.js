@@ -102,7 +102,7 @@ class Draft {
 
 /**
  * The rows of a chain: its elements with their fields, and a button that begins a draft.
- * @param {import("../simulator/wire.js").ChainForm} chain
+ * @param {import("../simulator/messages.d.ts").ChainForm} chain
  * @param {(path: string) => HTMLElement[]} rows the elements of the fields of the element at a path
  * @param {import("./field.js").FormOn} on
  */
@@ -136,7 +136,7 @@ export function chainRows(chain, rows, on) {
 }
 
 /** A list of numbers that may be given an error.
- * @param {import("../simulator/wire.js").TargetForm[]} targets
+ * @param {import("../simulator/messages.d.ts").TargetForm[]} targets
  * @param {(path: string, value: any) => any} set */
 export function targetRows(targets, set) {
   if (!targets.length) return [];

@@ -69,7 +69,7 @@ function outline(context, scale, robots, theme) {
 /** As much of a robot as is drawn of it. @typedef {Pick<import("./scene.js").Robot, "footprint" | "reach" | "colour">} Drawn */
 /** @typedef {{canvas: HTMLCanvasElement, side: number, scale: number, ink: string}} Sheet */
 
-/** By footprint, and by colour. @type {Map<import("../simulator/wire.js").Outline, Record<string, Sheet>>} */
+/** By footprint, and by colour. @type {Map<import("../simulator/messages.d.ts").Outline, Record<string, Sheet>>} */
 const sheets = new Map();
 
 /** Pictures of a footprint at all headings, side by side; `scale` in device pixels a metre.

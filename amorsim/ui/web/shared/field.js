@@ -41,8 +41,8 @@ export function numberIn(text) {
 
 /**
  * What a form shows of a value: a `FieldForm`, or a `ParameterForm` of a robot that runs; `grows` is false of a list whose length is set.
- * @typedef {Pick<import("../simulator/wire.js").FieldForm, "path" | "label" | "help" | "value" | "widget" | "fixed">
- *   & Partial<import("../simulator/wire.js").FieldForm> & Partial<import("../simulator/wire.js").ParameterForm> & {grows?: boolean}} Parameter
+ * @typedef {Pick<import("../simulator/messages.d.ts").FieldForm, "path" | "label" | "help" | "value" | "widget" | "fixed">
+ *   & Partial<import("../simulator/messages.d.ts").FieldForm> & Partial<import("../simulator/messages.d.ts").ParameterForm> & {grows?: boolean}} Parameter
  */
 
 /**

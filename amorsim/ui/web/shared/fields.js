@@ -209,7 +209,7 @@ const KINDS = {
 const NESTED = [ListField, GroupField, ComponentField, EitherField]; // which make the fields in them
 
 /** A part of an error without a mark of its own: the error has one. */
-const plainly = (/** @type {import("../simulator/wire.js").FieldForm} */ part) => ({ ...part, is_given: false });
+const plainly = (/** @type {import("../simulator/messages.d.ts").FieldForm} */ part) => ({ ...part, is_given: false });
 
 /** The parts of an error, of which each is fixed or drawn; all of them are set at once, and can be taken back.
  * @param {import("./field.js").Parameter} parameter

@@ -4,7 +4,7 @@ import { there } from "./dom.js";
 
 /** Add a footprint at a pose to the current path.
  * @param {CanvasRenderingContext2D} context
- * @param {import("../simulator/wire.js").Outline} footprint
+ * @param {import("../simulator/messages.d.ts").Outline} footprint
  * @param {number} x
  * @param {number} y
  * @param {number} heading */
@@ -28,8 +28,8 @@ export function trace(context, footprint, x, y, heading) {
 }
 
 /** Half of how wide a footprint is. */
-export const waist = (/** @type {import("../simulator/wire.js").Outline} */ footprint) => footprint.circle ?? Math.max(...there(footprint.polygon).map(([, v]) => Math.abs(v)));
+export const waist = (/** @type {import("../simulator/messages.d.ts").Outline} */ footprint) => footprint.circle ?? Math.max(...there(footprint.polygon).map(([, v]) => Math.abs(v)));
 
 /** How far a footprint goes from its base point. */
-export const reach = (/** @type {import("../simulator/wire.js").Outline | null} */ footprint) =>
+export const reach = (/** @type {import("../simulator/messages.d.ts").Outline | null} */ footprint) =>
   there(footprint).circle ?? Math.max(...there(there(footprint).polygon).map(([u, v]) => Math.hypot(u, v)));

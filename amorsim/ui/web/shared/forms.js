@@ -19,7 +19,7 @@ const KINDS = {
 };
 
 /**
- * @typedef {{chains?: import("../simulator/wire.js").ChainForm[], targets?: import("../simulator/wire.js").TargetForm[],
+ * @typedef {{chains?: import("../simulator/messages.d.ts").ChainForm[], targets?: import("../simulator/messages.d.ts").TargetForm[],
  *   components?: Record<string, [string, string]>}} Parts chains and targets, and the kind and name of what a group is of, by the group
  */
 
@@ -65,8 +65,8 @@ export class Form {
   }
 
   /** @param {import("./field.js").Parameter[]} parameters
-   * @param {import("../simulator/wire.js").ChainForm[]} chains
-   * @param {import("../simulator/wire.js").TargetForm[]} targets
+   * @param {import("../simulator/messages.d.ts").ChainForm[]} chains
+   * @param {import("../simulator/messages.d.ts").TargetForm[]} targets
    * @param {Record<string, [string, string]>} components */
   build(parameters, chains, targets, components) {
     const { opened } = this;

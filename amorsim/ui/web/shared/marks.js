@@ -66,7 +66,7 @@ export function drawRobot(context, camera, robot, poses, i, kind, theme, alarm) 
 /** Obstacles and the parts of robots, where they truly are.
  * @param {CanvasRenderingContext2D} context
  * @param {import("./world_marks.js").Scaled} camera
- * @param {import("../simulator/wire.js").ObstacleShape[]} obstacles
+ * @param {import("../simulator/messages.d.ts").ObstacleShape[]} obstacles
  * @param {ArrayLike<number>} poses
  * @param {import("./theme.js").Theme} theme */
 export function drawObstacles(context, camera, obstacles, poses, theme) {
@@ -86,7 +86,7 @@ export function drawObstacles(context, camera, obstacles, poses, theme) {
 /** The parts of the selected robot where it believes them to be; `poses` has three numbers for each.
  * @param {CanvasRenderingContext2D} context
  * @param {import("./world_marks.js").Scaled} camera
- * @param {import("../simulator/wire.js").ObstacleShape[]} parts
+ * @param {import("../simulator/messages.d.ts").ObstacleShape[]} parts
  * @param {ArrayLike<number>} poses
  * @param {import("./theme.js").Theme} theme */
 export function drawBelievedParts(context, camera, parts, poses, theme) {

@@ -101,7 +101,7 @@ const WORDS = { number: "a number", flag: "yes or no", text: "a text", name: "a 
 const SHOWN_BY = { number: ["number"], boolean: ["flag"], string: ["choice", "text", "name", "file"] };
 
 /** What a kind of value is called.
- * @param {import("../simulator/wire.js").Widget} widget */
+ * @param {import("../simulator/messages.d.ts").Widget} widget */
 function wordsOf({ kind, choices = [], frame }) {
   if (kind === "choice") return choices.length === 1 ? choices[0] : "a word";
   if (kind === "table") return frame ? "points" : "rows";

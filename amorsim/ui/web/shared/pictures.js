@@ -3,7 +3,7 @@
 import { there } from "./dom.js";
 import { tinted, wallPath } from "./world_marks.js";
 
-/** @typedef {import("../simulator/wire.js").MapShape} MapShape */
+/** @typedef {import("../simulator/messages.d.ts").MapShape} MapShape */
 
 /** Where the picture of a map lies: another version of it lies there, too.
  * @param {MapShape} map */

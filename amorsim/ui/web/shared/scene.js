@@ -4,27 +4,27 @@ import { reach, waist } from "./footprint.js";
 
 /**
  * A robot as it is drawn: its entry in the scene, with what its kind has.
- * @typedef {Omit<import("../simulator/wire.js").Kind, "wheels"> & {
- *   name: string, colour?: string, controller: string, landmarks: number[][], knowledge: import("../simulator/wire.js").MapShape | null,
- *   parts: import("../simulator/wire.js").ObstacleShape[], reach: number, waist: number,
+ * @typedef {Omit<import("../simulator/messages.d.ts").Kind, "wheels"> & {
+ *   name: string, colour?: string, controller: string, landmarks: number[][], knowledge: import("../simulator/messages.d.ts").MapShape | null,
+ *   parts: import("../simulator/messages.d.ts").ObstacleShape[], reach: number, waist: number,
  *   wheels: {x: number, y: number, heading: number, radius: number, width: number}[],
  * }} Robot
  */
 
 /**
  * A scene as it is drawn.
- * @typedef {Omit<import("../simulator/wire.js").Scene, "map" | "robots" | "obstacles"> & {
- *   map: import("../simulator/wire.js").MapShape | undefined, robots: Robot[], obstacles: (import("../simulator/wire.js").ObstacleShape & {reach: number})[],
+ * @typedef {Omit<import("../simulator/messages.d.ts").Scene, "map" | "robots" | "obstacles"> & {
+ *   map: import("../simulator/messages.d.ts").MapShape | undefined, robots: Robot[], obstacles: (import("../simulator/messages.d.ts").ObstacleShape & {reach: number})[],
  * }} Scene
  */
 
 /** The map of a scene.
- * @param {import("../simulator/wire.js").Scene | undefined} scene */
+ * @param {import("../simulator/messages.d.ts").Scene | undefined} scene */
 export const mapOf = (scene) => (scene && scene.map !== null ? scene.maps[scene.map] : undefined);
 
 /**
  * A scene with what drawing needs put in place: each robot with its kind's shape, its reach and what it knows.
- * @param {import("../simulator/wire.js").Scene} raw
+ * @param {import("../simulator/messages.d.ts").Scene} raw
  * @returns {Scene}
  */
 export function readScene(raw) {

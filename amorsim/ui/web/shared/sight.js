@@ -7,7 +7,7 @@ export class Sight {
   }
 
   /** Whether the camera stays though something else is to be seen.
-   * @param {import("../simulator/wire.js").Still | null} _still */
+   * @param {import("../simulator/messages.d.ts").Still | null} _still */
   keeps(_still) {
     return false;
   }

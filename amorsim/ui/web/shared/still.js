@@ -15,7 +15,7 @@ import { readTheme } from "./theme.js";
 import { Hand } from "./tool.js";
 import { BodiesLayer, NamesLayer, SceneLayer, SelectionLayer, WorldLayer } from "./world.js";
 
-/** @typedef {import("../simulator/wire.js").Still} Still */
+/** @typedef {import("../simulator/messages.d.ts").Still} Still */
 /** @typedef {import("./pick.js").Found} Found */
 
 const HELP = "Drag or Shift and arrows pan, plus and minus zoom, 0 shows all, Enter tells what is in the middle.";

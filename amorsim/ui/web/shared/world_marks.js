@@ -10,7 +10,7 @@ import { trace } from "./footprint.js";
 export const px = (/** @type {Scaled} */ camera, /** @type {number} */ pixels) => pixels / camera.scale;
 
 /** Walls as one path, made once a scene.
- * @param {import("../simulator/wire.js").MapShape | null | undefined} map */
+ * @param {import("../simulator/messages.d.ts").MapShape | null | undefined} map */
 export function wallPath(map) {
   const path = new Path2D();
   for (const [x0, y0, x1, y1] of map?.segments ?? []) {
@@ -23,7 +23,7 @@ export function wallPath(map) {
 /** Draw a map: its lines, or its picture of cells, which has the wall's colour already.
  * @param {CanvasRenderingContext2D} context
  * @param {Scaled} camera
- * @param {import("../simulator/wire.js").MapShape | null | undefined} map
+ * @param {import("../simulator/messages.d.ts").MapShape | null | undefined} map
  * @param {Path2D | undefined} path
  * @param {Picture[] | null | undefined} levels
  * @param {string} colour */
@@ -107,7 +107,7 @@ export function drawGrid(context, camera, step, colour) {
 /** Markings and drops of the floor, and its zones: what lies under the walls.
  * @param {CanvasRenderingContext2D} context
  * @param {Scaled} camera
- * @param {import("../simulator/wire.js").Floor} floor
+ * @param {import("../simulator/messages.d.ts").Floor} floor
  * @param {import("./theme.js").Theme} theme */
 export function drawFloor(context, camera, floor, theme) {
   for (const { points, width, colour } of floor.patches ?? []) {
@@ -135,7 +135,7 @@ export function drawFloor(context, camera, floor, theme) {
 /** Lamps and landmarks, as they truly are.
  * @param {CanvasRenderingContext2D} context
  * @param {Scaled} camera
- * @param {import("../simulator/wire.js").Floor} floor
+ * @param {import("../simulator/messages.d.ts").Floor} floor
  * @param {import("./theme.js").Theme} theme */
 export function drawStanding(context, camera, floor, theme) {
   for (const [x, y] of floor.lights) {

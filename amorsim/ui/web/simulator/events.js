@@ -6,7 +6,7 @@ const MOST = 300; // shown at once
 
 export class Events {
   /** @param {HTMLElement} list
-   * @param {{go: (event: import("./wire.js").EventLine) => void, stack: (event: import("./wire.js").EventLine) => void}} on */
+   * @param {{go: (event: import("./messages.d.ts").EventLine) => void, stack: (event: import("./messages.d.ts").EventLine) => void}} on */
   constructor(list, on) {
     this.list = list;
     this.on = on;
@@ -19,7 +19,7 @@ export class Events {
   }
 
   /** Add events, in their order.
-   * @param {import("./wire.js").EventLine[]} events */
+   * @param {import("./messages.d.ts").EventLine[]} events */
   add(events) {
     for (const event of events) {
       if (event.number <= this.next) continue;

@@ -57,7 +57,7 @@ export class Fleet {
   }
 
   /** Take a frame; the list is brought up to date where it is seen.
-   * @param {import("./wire.js").Frame} frame */
+   * @param {import("./messages.d.ts").Frame} frame */
   show(frame) {
     this.frame = frame;
     if (this.element.hidden || !this.scene) return;

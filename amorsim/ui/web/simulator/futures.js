@@ -66,7 +66,7 @@ export class Futures {
         trail.load(other.ticks.slice(from), other[view].slice(from));
         return trail;
       });
-      const changes = other.changes.map((/** @type {import("./wire.js").ChangedParameter} */ { path, value }) => `${inWords(path)} ${shown(value)}`).join(", ");
+      const changes = other.changes.map((/** @type {import("./messages.d.ts").ChangedParameter} */ { path, value }) => `${inWords(path)} ${shown(value)}`).join(", ");
       return { ...other, name: nameOf(other.number), changes, record, trueTrail, estimatedTrail };
     });
     this.build();
@@ -101,13 +101,13 @@ export class Futures {
   }
 
   /** Tell in numbers how each differs from what is played, at the moment that is shown.
-   * @param {import("./wire.js").Frame} frame */
+   * @param {import("./messages.d.ts").Frame} frame */
   show(frame) {
     this.list.forEach((future, n) => say(this.words[n], this.describe(future, frame)));
   }
 
   /** @param {Future} future
-   * @param {import("./wire.js").Frame} frame */
+   * @param {import("./messages.d.ts").Frame} frame */
   describe(future, frame) {
     const parted = `from ${fixed(future.since * this.dt, 1)} s`;
     const what = future.changes ? `${parted}, ${future.changes}` : parted;

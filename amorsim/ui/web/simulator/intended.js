@@ -5,7 +5,7 @@ import { Asked } from "./asked.js";
 import { drawArcs, drawPath, drawSearched, drawSectors, drawVelocities, drawWays } from "./intentions.js";
 
 /** @typedef {import("../shared/layer.js").Brush} Brush */
-/** @typedef {import("./wire.js").Intended} Said */
+/** @typedef {import("./messages.d.ts").Intended} Said */
 
 const SWITCHES = [
   ["path", "path", "the path that it follows"],

@@ -1,7 +1,7 @@
 // How intentions are drawn: paths, searched places, arcs, sectors, free ways and velocities. The context is in metres.
 
-/** @typedef {import("./wire.js").IntendedArc} Arc */
-/** @typedef {import("./wire.js").IntendedVelocities} Velocities */
+/** @typedef {import("./messages.d.ts").IntendedArc} Arc */
+/** @typedef {import("./messages.d.ts").IntendedVelocities} Velocities */
 /** @typedef {{scale: number}} Camera */
 /** @typedef {import("../shared/theme.js").Theme} Theme */
 

@@ -12,11 +12,11 @@ export function toWorld(pose, u, v) {
 }
 
 /** World poses of a sensor's mounts on a robot at `pose`, one a value (a ring) or one for all (a scan).
- * @param {import("./wire.js").SensorShape} sensor
+ * @param {import("./messages.d.ts").SensorShape} sensor
  * @param {Pose} pose */
 export function mountPoses(sensor, pose) {
   return sensor.mounts.map(([u, v, heading]) => [...toWorld(pose, u, v), pose[2] + heading]);
 }
 
 /** Which column of a sensor's table has a name; -1 for none. */
-export const columnOf = (/** @type {import("./wire.js").SensorShape} */ sensor, /** @type {string} */ name) => sensor.columns.findIndex(([column]) => column === name);
+export const columnOf = (/** @type {import("./messages.d.ts").SensorShape} */ sensor, /** @type {string} */ name) => sensor.columns.findIndex(([column]) => column === name);

@@ -44,7 +44,7 @@ export class Numbers {
     for (const { quantity, row } of this.rows) row.classList.toggle("chosen", keys.has(quantity.key));
   }
 
-  /** @param {import("./wire.js").Frame} frame */
+  /** @param {import("./messages.d.ts").Frame} frame */
   show(frame) {
     for (const { quantity, cells } of this.rows) {
       const values = quantity.of(frame, frame.selected);
@@ -53,7 +53,7 @@ export class Numbers {
   }
 
   /** The measured velocities in words: of the joints that are counted, and of the turning.
-   * @param {import("./wire.js").Frame} frame */
+   * @param {import("./messages.d.ts").Frame} frame */
   velocities(frame) {
     const words = [];
     for (const { quantity } of this.rows) {

@@ -7,7 +7,7 @@ const FIRST = 8;
 /**
  * Moments `{time, truePoses, ...}` of a history, in order: all that is kept of the robot, and where that has gaps the
  * poses alone, with NaN for the rest.
- * @param {Pick<import("./wire.js").History, "past" | "ticks" | "true" | "estimated">} history
+ * @param {Pick<import("./messages.d.ts").History, "past" | "ticks" | "true" | "estimated">} history
  * @param {import("../shared/scene.js").Robot} robot
  * @param {number} dt
  */
@@ -24,7 +24,7 @@ export function momentsOf(history, robot, dt) {
   return moments.sort((one, other) => one.tick - other.tick).map(({ moment }) => moment);
 }
 
-/** @param {import("./wire.js").Past} past */
+/** @param {import("./messages.d.ts").Past} past */
 function linesOf({ ticks, values }) {
   const bytes = Uint8Array.from(atob(values), (letter) => letter.charCodeAt(0));
   const all = new Float64Array(bytes.buffer);

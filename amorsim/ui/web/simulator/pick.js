@@ -33,10 +33,10 @@ export class Picker extends WorldPicker {
 
   /**
    * The nearest thing to a point, or null.
-   * @param {import("./wire.js").Frame} frame
+   * @param {import("./messages.d.ts").Frame} frame
    * @param {import("../shared/world.js").View[]} views what is shown there, the topmost first
    * @param {{x: number, y: number, scale: number}} at the point [m], and pixels a metre
-   * @param {{hidden: Set<string>, trueSensors: import("./wire.js").SensorShape[]}} shown sensors that are not drawn, and those by true parameters
+   * @param {{hidden: Set<string>, trueSensors: import("./messages.d.ts").SensorShape[]}} shown sensors that are not drawn, and those by true parameters
    * @returns {Found | null}
    */
   pick(frame, views, { x, y, scale }, shown) {
@@ -58,7 +58,7 @@ export class Picker extends WorldPicker {
     return asRobot(CORE) ?? asReading() ?? asRobot(1) ?? this.nearestStanding(frame, views, x, y, near);
   }
 
-  /** @param {import("./wire.js").Frame} frame
+  /** @param {import("./messages.d.ts").Frame} frame
    * @param {import("../shared/world.js").View[]} views
    * @param {number} x
    * @param {number} y
@@ -72,13 +72,13 @@ export class Picker extends WorldPicker {
     return views.includes("estimated") && robot ? this.knownBy(robot).nearest(x, y, near) : null;
   }
 
-  /** @param {import("./wire.js").Frame} frame
+  /** @param {import("./messages.d.ts").Frame} frame
    * @param {import("../shared/world.js").View} view
    * @param {number} x
    * @param {number} y
    * @param {number} near
    * @param {number} scale
-   * @param {{hidden: Set<string>, trueSensors: import("./wire.js").SensorShape[]}} shown */
+   * @param {{hidden: Set<string>, trueSensors: import("./messages.d.ts").SensorShape[]}} shown */
   nearestReading(frame, view, x, y, near, scale, { hidden, trueSensors }) {
     const i = frame.selected;
     const robot = this.scene.robots[i];
@@ -98,7 +98,7 @@ export class Picker extends WorldPicker {
     return best && { kind: "reading", key: best.sensor.name, ...tellPart(best.sensor, best.reading, best.part) };
   }
 
-  /** @param {import("./wire.js").Frame} frame
+  /** @param {import("./messages.d.ts").Frame} frame
    * @param {number} i */
   tellRobot(frame, i) {
     const robot = this.scene.robots[i];

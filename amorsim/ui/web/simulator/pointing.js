@@ -6,7 +6,7 @@ import { h } from "../shared/dom.js";
 
 /** Show where and when something happened.
  * @param {Simulator} simulator
- * @param {import("./wire.js").EventLine} event */
+ * @param {import("./messages.d.ts").EventLine} event */
 export async function goTo(simulator, event) {
   const { stage } = simulator;
   if (event.point) {

@@ -8,7 +8,7 @@ export { FLAG, ROBOT };
  * A frame of its bytes; the scene says how the selected robot's values part into sensors.
  * @param {ArrayBuffer} buffer
  * @param {import("../shared/scene.js").Scene | null} scene
- * @returns {import("./wire.js").Frame}
+ * @returns {import("./messages.d.ts").Frame}
  */
 export function readFrame(buffer, scene) {
   const view = new DataView(buffer);

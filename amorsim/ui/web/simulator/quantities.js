@@ -107,7 +107,7 @@ export function quantitiesOf(robot) {
 
 /** What a value of several is called: by the joint that is counted, or by its number.
  * @param {import("../shared/scene.js").Robot} robot
- * @param {import("./wire.js").SensorShape} sensor
+ * @param {import("./messages.d.ts").SensorShape} sensor
  * @param {number} k */
 function valueName(robot, sensor, k) {
   if (sensor.size === 1) return "";

@@ -48,7 +48,7 @@ export class Reader {
     if (simulator.newest.events > simulator.events.next) setTimeout(() => !this.readingEvents && this.readEvents(), EVENTS_EVERY);
   }
 
-  /** @param {import("./wire.js").EventLine[]} events */
+  /** @param {import("./messages.d.ts").EventLine[]} events */
   addEvents(events) {
     const { simulator } = this;
     if (simulator.scene.recorded) simulator.replay.mark(events.filter((event) => event.number > simulator.events.next), Number(simulator.timebar.line.max));

@@ -10,7 +10,7 @@ import { things } from "./things.js";
 
 /**
  * A sensor that is drawn: what its style needs is there.
- * @typedef {import("./wire.js").SensorShape & {drawing: Required<import("./wire.js").Drawing>, range_max: number, half_angle: number}} Shape
+ * @typedef {import("./messages.d.ts").SensorShape & {drawing: Required<import("./messages.d.ts").Drawing>, range_max: number, half_angle: number}} Shape
  * @typedef {{true: ArrayLike<number>, measured: ArrayLike<number>, age: number}} Reading
  * @typedef {{i: number, gap: number, angle: number}} Part the part of a reading that is near a point: its number, how far, where it looks
  * @typedef {import("../shared/layer.js").Brush & {kind: string}} ReadingBrush
@@ -27,12 +27,12 @@ import { things } from "./things.js";
 /** @type {Record<string, Style>} */
 const STYLES = { beams, cones, contacts, fix, glow, needle, sticks, things };
 
-const styleOf = (/** @type {import("./wire.js").SensorShape} */ sensor) => STYLES[sensor.drawing?.style ?? ""];
+const styleOf = (/** @type {import("./messages.d.ts").SensorShape} */ sensor) => STYLES[sensor.drawing?.style ?? ""];
 
-export const isDrawn = (/** @type {import("./wire.js").SensorShape} */ sensor) => styleOf(sensor) !== undefined;
+export const isDrawn = (/** @type {import("./messages.d.ts").SensorShape} */ sensor) => styleOf(sensor) !== undefined;
 
 /** Whether each value of a sensor is how far it is to something along a beam. */
-export const isRange = (/** @type {import("./wire.js").SensorShape} */ sensor) => ["beams", "cones"].includes(sensor.drawing?.style ?? "");
+export const isRange = (/** @type {import("./messages.d.ts").SensorShape} */ sensor) => ["beams", "cones"].includes(sensor.drawing?.style ?? "");
 
 /** Draw a sensor's readings from a pose; the brush is `{context, camera, theme, kind}`.
  * @param {ReadingBrush} brush

@@ -31,7 +31,7 @@ export class Record {
   }
 
   /** Take what was recorded, after a reload, a turn to another robot or a step back in time; what came since stays.
-   * @param {import("./wire.js").History | import("./wire.js").Future} history
+   * @param {import("./messages.d.ts").History | import("./messages.d.ts").Future} history
    * @param {number} dt seconds of a tick */
   load(history, dt) {
     const moments = momentsOf(history, this.robot, dt);
@@ -46,7 +46,7 @@ export class Record {
   }
 
   /** Keep a frame's values; those of the past are kept already.
-   * @param {import("./wire.js").Frame} frame */
+   * @param {import("./messages.d.ts").Frame} frame */
   add(frame) {
     for (const quantity of this.quantities) this.seriesOf(quantity.key).add(frame.time, sample(quantity, frame, frame.selected));
   }

@@ -72,7 +72,7 @@ export class RecordedRun {
   }
 
   /** Carry out a command; a promise of its answer, as of a server's.
-   * @param {import("./wire.js").Command} command */
+   * @param {import("./messages.d.ts").Command} command */
   ask(command) {
     const does = this.doing[command.do];
     const refusal = { ok: false, error: "This page shows what was recorded: nothing in it can be changed." };

@@ -24,7 +24,7 @@ export function showRobot(simulator) {
   simulator.driving.setRobot(simulator.robot);
   const ranges = simulator.robot.sensors.filter(isDrawn);
   simulator.parts.sensors.replaceChildren(
-    ...ranges.map((/** @type {import("./wire.js").SensorShape} */ sensor) => {
+    ...ranges.map((/** @type {import("./messages.d.ts").SensorShape} */ sensor) => {
       const button = h("button", { class: "tool", "aria-pressed": String(!simulator.stage.hidden.has(sensor.name)) }, sensor.name);
       button.addEventListener("click", () => {
         const { hidden } = simulator.stage;

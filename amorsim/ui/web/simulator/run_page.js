@@ -6,6 +6,6 @@ import { RecordedRun } from "./recorded_run.js";
 import { Simulator } from "./simulator.js";
 
 const root = /** @type {HTMLElement & {simulator?: Simulator}} */ (document.querySelector(".amorsim"));
-const contents = await unpack(there(document.querySelector("#run")).textContent);
+const contents = await unpack(there(document.querySelector("#contents")).textContent);
 document.documentElement.classList.add("without-server");
 root.simulator = new Simulator(root, (on) => new RecordedRun(on, contents));

@@ -90,8 +90,8 @@ export class Simulator {
       fileName: () => this.saving.fileName,
     });
     this.events = new Events(this.parts.events, {
-      go: (/** @type {import("./wire.js").EventLine} */ event) => goTo(this, event),
-      stack: (/** @type {import("./wire.js").EventLine} */ event) => tell("What the controller raised", h("pre", { tabindex: "0" }, event.stack)),
+      go: (/** @type {import("./messages.d.ts").EventLine} */ event) => goTo(this, event),
+      stack: (/** @type {import("./messages.d.ts").EventLine} */ event) => tell("What the controller raised", h("pre", { tabindex: "0" }, event.stack)),
     });
     this.stage.selection.listen((selection) => (this.parts.card.hidden = !selection.only));
     this.warnings = new Warnings(this.parts.banner, ask);
@@ -214,7 +214,7 @@ export class Simulator {
 
   // --------------------------------------------------------------------------------------------------- what is shown
 
-  /** @param {import("./wire.js").Frame | undefined} frame
+  /** @param {import("./messages.d.ts").Frame | undefined} frame
    * @param {boolean} isNew
    * @param {number} now
    * @param {number} began */
@@ -240,7 +240,7 @@ export class Simulator {
     }, 2 * TABLE_EVERY);
   }
 
-  /** @param {import("./wire.js").Frame} frame */
+  /** @param {import("./messages.d.ts").Frame} frame */
   showNumbers(frame) {
     this.numbers.show(frame);
     this.futures.show(frame);

@@ -38,7 +38,7 @@ export class Stage {
    *   picked: (pane: Pane, place: import("../shared/tool.js").Place) => void,
    *   option: (name: string, value: boolean) => void,
    *   boxed: (robots: number[]) => void,
-   *   drawn: (frame: import("./wire.js").Frame | undefined, isNew: boolean, now: number, began: number) => void,
+   *   drawn: (frame: import("./messages.d.ts").Frame | undefined, isNew: boolean, now: number, began: number) => void,
    * }} on
    */
   constructor(root, on) {
@@ -52,7 +52,7 @@ export class Stage {
     this.hidden = new Set(); // names of sensors that are not drawn
     this.trueTrail = new Trail();
     this.estimatedTrail = new Trail();
-    /** @type {import("./wire.js").SensorShape[]} */
+    /** @type {import("./messages.d.ts").SensorShape[]} */
     this.trueSensors = []; // of the selected robot, as they are by their true parameters
     this.pictures = new Pictures(() => this.redraw());
     this.picker = new Picker();
@@ -135,7 +135,7 @@ export class Stage {
     this.fit();
   }
 
-  /** @param {import("./wire.js").Frame} frame */
+  /** @param {import("./messages.d.ts").Frame} frame */
   setFrame(frame) {
     this.frame = frame;
     this.mapped.setFrame(frame);

@@ -124,7 +124,7 @@ export class TimeBar {
     this.scrubbing = false;
   }
 
-  /** @param {import("./wire.js").Frame} frame
+  /** @param {import("./messages.d.ts").Frame} frame
    * @param {import("../shared/scene.js").Scene} scene */
   show(frame, scene) {
     this.frame = frame;
@@ -158,7 +158,7 @@ export class TimeBar {
   }
 
   /** Whether one can go on from the past moment that is shown, and why not.
-   * @param {import("./wire.js").State} state */
+   * @param {import("./messages.d.ts").State} state */
   setState(state) {
     this.reason = state.can_continue === false ? state.reason.replace(/\.$/, "") : "";
     this.carryOn.disabled = Boolean(this.reason);
