@@ -70,7 +70,9 @@ def test_where_two_claim_an_extension_the_first_bytes_decide(boxes, folder, tmp_
 @pytest.mark.parametrize(
     ("name", "options", "words"),
     [
-        ("none.wld", {}, "none.wld: there is no such file"),
+        ("none.wld", {}, "none.wld: there is no such file; check its name and its folder$"),
+        ("office.wld", {}, r"The scenario 'demo' has one of this name: amorsim convert demo office\.wld$"),
+        ("maze", {}, r"The scenario '\S*maze' has one of this name: amorsim convert \S*maze maze\.wld$"),
         (".", {}, "a folder; a map is a file"),
         ("what.dwg", {}, r"a DWG drawing is not a map that amorsim reads; save it as \.dxf$"),
         ("what.map.scen", {}, r"problems on a map of MovingAI .*; give the \.map$"),

@@ -107,6 +107,14 @@ def test_it_says_what_check_says_and_draws_the_rest(page: Page) -> None:
     expect(page.page.locator(".lack")).to_have_text("")
 
 
+def test_on_a_phone_the_drawing_is_below_the_faults(page: Page) -> None:
+    page.page.set_viewport_size({"width": 390, "height": 844})
+    faults, drawing = (page.page.locator(name).bounding_box() for name in (".panel.faults", ".panel.drawn"))
+    assert min(faults["width"], drawing["width"]) > 350.0
+    assert drawing["y"] >= faults["y"] + faults["height"]
+    assert drawing["height"] > 250.0
+
+
 def colour_at(page: Page, x: float, y: float) -> list[int]:
     """The colour that is drawn at a place of the world [m]."""
     return list(

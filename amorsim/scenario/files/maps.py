@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import tomllib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, cast
@@ -15,7 +16,7 @@ from amorsim.core.arguments import checked, path_of
 from amorsim.core.error_text import RAISED, error_in_words
 from amorsim.core.errors import MapError, PluginError
 from amorsim.core.files.atomic_files import replacing
-from amorsim.core.files.reading import check_readable, is_file, is_folder, no_such_file, reason
+from amorsim.core.files.reading import check_readable, is_file, is_folder, no_such_file, read_text, reason
 from amorsim.core.maps.lost_cells import Lost, lost_cells
 from amorsim.core.maps.map import Map
 from amorsim.core.maps.same_cells import have_same_cells
@@ -297,13 +298,26 @@ def _knows(cls: type[MapLoader], head: bytes) -> bool:
         return False
 
 
+def _of_a_scenario(path: Path) -> str:
+    """How to have the map of a registered scenario, if one is called so, with or without its ending."""
+    registry = default_registry()
+    for entry in registry.entries("scenario"):
+        try:
+            name = tomllib.loads(read_text(registry.file("scenario", entry.name)))["world"]["map"]
+        except (OSError, ValueError, LookupError, TypeError):  # a plugin's may be anything
+            continue
+        if isinstance(name, str) and path.name in (name, Path(name).stem):
+            return f". The scenario {entry.name!r} has one of this name: amorsim convert {entry.name} {name}"
+    return ""
+
+
 def _head(path: Path) -> bytes:
     try:
         check_readable(path, _MOST_BYTES)
         with path.open("rb") as file:
             return file.read(_HEAD)
     except FileNotFoundError:
-        raise MapError(f"{path}: {no_such_file(path)}") from None
+        raise MapError(f"{path}: {no_such_file(path)}{_of_a_scenario(path)}") from None
     except IsADirectoryError:
         raise MapError(f"{path}: this is a folder; a map is a file") from None
     except PermissionError:
