@@ -185,20 +185,30 @@ class View(Protocol):
         """
 
     def bind_cone(
-        self, origins: Array, half_angle: Array, range_max: Array, out: Array, traversal: str = "exact"
+        self,
+        origins: Array,
+        half_angle: Array,
+        range_max: Array,
+        out: Array,
+        traversal: str = "exact",
+        wall: tuple[Array, Array] | None = None,
     ) -> Callable[[], None]:
-        """A function that writes what `cone` returns into `out` `(N, m)`, as `bind_cast` does for `cast`."""
+        """A function that writes what `cone` returns into `out` `(N, m)`, as `bind_cast` does for `cast`.
 
-    def nearest_wall(self, origins: Array, half_angle: Array, range_max: Array, rays: int) -> tuple[Array, Array]:
+        Into the two arrays of `wall` `(N, m)` it also writes what `nearest_wall` returns: for an exact traversal, and
+        for less than the two searches take.
+        """
+
+    def nearest_wall(self, origins: Array, half_angle: Array, range_max: Array) -> tuple[Array, Array]:
         """Bearing [rad] and range [m] `(N, m)` of the nearest wall within a cone at each of `origins` `(N * m, 3)`.
 
-        It is the first of the least over a number of `rays`, spread evenly from edge to edge; bearings are from the
-        origins' headings. Where no wall is within `range_max` [m] `(N, 1)`, the bearing is that of the first ray, and
-        the range inf. `half_angle` [rad] is `(N, 1)`.
+        It is the first of the least over the rays that `cone` takes; bearings are from the origins' headings. Where no
+        wall is within `range_max` [m] `(N, 1)`, the bearing is that of the first ray, and the range inf. `half_angle`
+        [rad] is `(N, 1)`.
         """
 
     def bind_nearest_wall(
-        self, origins: Array, half_angle: Array, range_max: Array, rays: int, bearing: Array, out: Array
+        self, origins: Array, half_angle: Array, range_max: Array, bearing: Array, out: Array
     ) -> Callable[[], None]:
         """A function that writes what `nearest_wall` returns into `bearing` and `out`, as `bind_cast` for `cast`."""
 

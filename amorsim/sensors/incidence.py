@@ -24,10 +24,9 @@ twice this length, which is half a degree in cells of 1 mm. In cells of this siz
 no wall shorter than this has a slope of its own; the area that an ultrasonic pulse is reflected by is of that size.
 """
 
-# Rays that look for the nearest return, as fractions of a cone's half angle. Those for bodies are as dense as the rays
-# of a sonar's reading in a cone of 30 degrees. Their number is fixed: if it depended on the widest cone of all rows, a
-# row's bits would depend on the other rows.
-_WALL_RAYS = 31
+# Rays that look for the nearest body, as fractions of a cone's half angle. They are as dense as the rays of a sonar's
+# reading in a cone of 30 degrees. Their number is fixed: if it depended on the widest cone of all rows, a row's bits
+# would depend on the other rows.
 _CLOSER_FAN = np.linspace(-1.0, 1.0, 31)[None, :]
 _BODY_FAN = np.linspace(-1.0, 1.0, 601)[None, :]
 _BODY_STEP = 2.0 / 600.0  # from one of these to the next
@@ -66,27 +65,27 @@ def bind_incidence(view: View, origins: Array, bearings: Array, ranges: Array, r
     return incidence
 
 
-def bind_nearest_incidence(view: View, origins: Array, half_angle: Array, range_max: Array) -> Callable[[], Array]:
+def bind_nearest_incidence(
+    view: View, origins: Array, half_angle: Array, range_max: Array, wall: tuple[Array, Array]
+) -> Callable[[], Array]:
     """A function of the angles of incidence [rad] `(N, m)` at the nearest return of each cone; 0 where there is none.
 
     `origins`, which keep their place, are world poses `(N * m, 3)` of cones; `half_angle` [rad] and `range_max` [m] are
-    `(N, 1)`.
+    `(N, 1)`. `wall`, whose arrays keep their place too, are bearing and range `(N, m)` of the nearest wall in each, as
+    `View.nearest_wall` returns them.
     """
-    shape = view.rows, len(origins) // view.rows
-    bearings, ranges = np.empty(shape), np.empty(shape)
-    find = view.bind_nearest_wall(origins, half_angle, range_max, _WALL_RAYS, bearings, ranges)
+    bearings, ranges = wall
     nearest = ranges.reshape(-1, 1)
     of_walls = _bind_wall_incidence(view, origins, bearings.reshape(-1, 1), nearest, range_max)
 
     def incidence() -> Array:
-        find()
         found = of_walls()
         which = _near_bodies(view, origins, half_angle, range_max, nearest) if view.has_company else _NONE
         if len(which):
-            row = which // shape[1]
+            row = which // ranges.shape[1]
             of_bodies, reach = _nearest_bodies(view, origins[which], half_angle[row], range_max[row], row)
             found[which] = np.where(reach < nearest[which], of_bodies, found[which])
-        return found.reshape(shape)
+        return found.reshape(ranges.shape)
 
     return incidence
 

@@ -106,10 +106,11 @@ class Sonar(Sensor):
         place = functools.partial(readings.place_ring, at.pose, ring.x, ring.y, ring.heading, origins)
         half_angle: Any = self.half_angle
         range_max: Any = self.range_max
-        look = at.view.bind_cone(origins, half_angle, range_max, at.out, self.traversal)
+        cones = _Cones(at.view, origins, half_angle, range_max, at.out, self.traversal)
         ring_down = functools.partial(np.maximum, at.out, self.range_min, out=at.out)
-        at.sides.update({name: at_first_call(bind) for name, bind in self._sides(at.view, origins).items()})
-        return in_turn([place, look, ring_down])
+        sides = self._sides(at.view, origins) | {"incidence": cones.bind_incidence}
+        at.sides.update({name: at_first_call(bind) for name, bind in sides.items()})
+        return in_turn([place, cones.search, ring_down])
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
         """Ranges `(N, k)` [m], inf for no return; for the chain also the nearest return's ``incidence`` [rad].
@@ -129,7 +130,7 @@ class Sonar(Sensor):
         near: Any = self.range_min
         far: Any = self.range_max
         sides: dict[str, Callable[[], Callable[[], Array]]] = {
-            "incidence": lambda: bind_nearest_incidence(view, origins, half_angle, far)
+            "incidence": lambda: _bind_incidence(view, origins, half_angle, far)
         }
         if self.medium:
             turns = self._turns(view.rows)
@@ -152,3 +153,40 @@ class Sonar(Sensor):
         turns: Any = self.firing
         late = np.zeros((rows, self.bearings().shape[1])) if isinstance(turns, tuple) else turns * self.interval
         return np.asarray(late + self.phase)
+
+
+class _Cones:
+    """The search in all cones. Once angles of incidence are wanted, it also tells where the nearest walls are."""
+
+    def __init__(
+        self, view: View, origins: Array, half_angle: Array, range_max: Array, out: Array, traversal: str
+    ) -> None:
+        self._view, self._given, self._out, self._traversal = view, (origins, half_angle, range_max), out, traversal
+        self._search = view.bind_cone(*self._given, out, traversal)
+
+    def search(self) -> None:
+        """Write the nearest returns into `out`."""
+        self._search()
+
+    def bind_incidence(self) -> Callable[[], Array]:
+        """A function of the angles of incidence [rad] `(N, m)` after a search: that of this step, or a later one."""
+        if self._traversal != "exact":  # its search is of cells, not of walls
+            return _bind_incidence(self._view, *self._given)
+        wall = np.empty(self._out.shape), np.empty(self._out.shape)
+        self._view.bind_nearest_wall(*self._given, *wall)()
+        self._search = self._view.bind_cone(*self._given, self._out, wall=wall)
+        return bind_nearest_incidence(self._view, *self._given, wall)
+
+
+def _bind_incidence(view: View, origins: Array, half_angle: Array, range_max: Array) -> Callable[[], Array]:
+    """A function of the angles of incidence [rad] `(N, m)` in cones, which looks for the nearest walls itself."""
+    shape = view.rows, len(origins) // view.rows
+    wall = np.empty(shape), np.empty(shape)
+    find = view.bind_nearest_wall(origins, half_angle, range_max, *wall)
+    incidence = bind_nearest_incidence(view, origins, half_angle, range_max, wall)
+
+    def find_and_tell() -> Array:
+        find()
+        return incidence()
+
+    return find_and_tell

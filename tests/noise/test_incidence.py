@@ -2,6 +2,7 @@
 
 import math
 
+import attrs
 import numpy as np
 import pytest
 
@@ -88,8 +89,39 @@ def test_where_nothing_returned_the_angle_is_nought():
 def test_a_sonar_meets_a_wall_straight_on_while_its_cone_has_the_normal(heading, expected):
     sonar = am.sensors.Sonar(half_angle=math.radians(12.0))
     _, side = look(sonar, slanting(0.0), (0.5, 0.0, math.radians(heading)))
-    # Half of what lies between two rays of the fan comes on top.
-    assert side["incidence"][0, 0] == pytest.approx(math.radians(expected), abs=BOUND + math.radians(0.41))
+    # Half of what lies between two rays of the cone comes on top.
+    assert side["incidence"][0, 0] == pytest.approx(math.radians(expected), abs=BOUND + math.radians(0.025))
+
+
+@pytest.mark.parametrize("traversal", ["exact", "bresenham"])
+@pytest.mark.parametrize("has_post", [False, True])
+def test_a_sonar_tells_the_same_step_by_step_as_if_asked_at_that_place(traversal, has_post):
+    """From the second step on its own search also finds the walls; whether the first was the same is asked anew."""
+    kept = []
+
+    @attrs.frozen
+    class Keeps(am.contracts.Noise):
+        def corrupt(self, values, side, elapsed, state, draws):
+            kept.append((values.copy(), side["incidence"].copy()))
+            return values
+
+    sonar = attrs.evolve(building.ring(8), half_angle=math.radians(15.0), traversal=traversal)
+    sensors = {"encoder": building.encoder(), "sonar": am.MountedSensor(sensor=sonar, noise=building.chain(Keeps()))}
+    post = am.Obstacle(name="post", shape=Shape.circle(0.3), pose=am.Pose(x=3.0, y=2.6))
+    scenario = building.scenario(building.robot(sensors=sensors), obstacles=[post] if has_post else [])
+    sim = am.Simulation(scenario, replicas=2)
+    sim.drive("rover", forward=0.5, turn=np.array([0.4, -0.6]))
+    poses = [sim.true_pose.copy()]
+    for _ in range(12):
+        sim.step()
+        poses.append(sim.true_pose.copy())
+    assert len(kept) == len(poses)
+    thing = {"thing": post.shape, "at": (3.0, 2.6, 0.0)} if has_post else {}
+    for at, (ranges, angles) in zip(poses, kept, strict=True):
+        expected, side = look(sonar, building.room(), *at.tolist(), **thing)
+        np.testing.assert_array_equal(ranges, expected)
+        np.testing.assert_array_equal(angles, side["incidence"])
+    assert np.ptp([angles for _, angles in kept], axis=0).max() > 0.1
 
 
 def test_beams_that_are_bent_are_asked_where_they_look():

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import amorsim as am
+from amorsim.simulation.world.directions import cone_bearings
 from tests import building
 
 
@@ -157,12 +158,13 @@ def test_cones_of_different_widths_are_those_of_their_rays() -> None:
         origins = np.repeat(view.pose, 2, axis=0)
         origins[1::2, 2] += 1.0
         half = np.array([[0.1], [0.2], [0.1]])
-        bearing, nearest = view.nearest_wall(origins, half, 50.0, 31)
+        bearing, nearest = view.nearest_wall(origins, half, 50.0)
         for row, width in enumerate(half[:, 0]):
-            fan = width * np.linspace(-1.0, 1.0, 31)[None, :]
+            fan = cone_bearings(width)
             every = view.cast(origins, fan, np.array([[50.0]]), bodies=False)[2 * row : 2 * row + 2]
             np.testing.assert_array_equal(bearing[row], fan[0, every.argmin(axis=1)])
             np.testing.assert_array_equal(nearest[row], every.min(axis=1))
+            np.testing.assert_array_equal(nearest[row], view.cone(origins, half, 50.0)[row])
             alone = view.cone(origins, np.full((3, 1), width), 50.0)[row]
             np.testing.assert_array_equal(view.cone(origins, half, 50.0)[row], alone)
         return nearest[:, :1]
@@ -176,7 +178,7 @@ def test_cones_of_different_widths_are_those_of_their_rays() -> None:
 
 def test_a_bound_question_is_answered_from_arrays_as_they_are_now() -> None:
     def ask(view: Any, aim: Any) -> Any:
-        origins = np.repeat(view.pose, 2, axis=0)
+        origins, near_post = np.repeat(view.pose, 2, axis=0), False
         for beams in (2, 41):
             fan = np.linspace(-1.0, 1.0, beams)[None, :]
             towards = am.contracts.Directions(*np.full((2, 6, beams), np.inf))  # whatever they are before a call
@@ -184,13 +186,15 @@ def test_a_bound_question_is_answered_from_arrays_as_they_are_now() -> None:
             ranges, thing = np.empty(shape), np.empty(shape, dtype=np.int64)
             far, far_thing, matters = np.empty(shape), np.empty(shape, dtype=np.int64), np.full(shape, 0.95)
             matters[:, 0] = np.inf
-            cast, walls, bearing, nearest = np.empty(shape), np.empty(shape), np.empty((3, 2)), np.empty((3, 2))
+            cast, walls = np.empty(shape), np.empty(shape)
+            bearing, nearest, aside, away, heard = np.empty((5, 3, 2))
             calls = (
                 view.bind_look(origins, fan, limits, ranges, thing),
                 view.bind_look(origins, fan, limits, far, far_thing, matters),
                 view.bind_cast(origins, towards, 5.0, cast),
                 view.bind_cast(origins, towards, 5.0, walls, bodies=False),
-                view.bind_nearest_wall(origins, 0.3, 5.0, 31, bearing, nearest),
+                view.bind_nearest_wall(origins, 0.3, 5.0, bearing, nearest),
+                view.bind_cone(origins, 0.3, 5.0, heard, wall=(aside, away)),
             )
             for turn in (0.0, 0.9):
                 origins[:, 2] += turn
@@ -212,8 +216,12 @@ def test_a_bound_question_is_answered_from_arrays_as_they_are_now() -> None:
                 np.testing.assert_array_equal(cast, view.cast(origins, bearings, 5.0))
                 np.testing.assert_array_equal(walls, view.cast(origins, bearings, 5.0, bodies=False))
                 assert beams == 2 or (cast < walls).any()
-                for mine, again in zip((bearing, nearest), view.nearest_wall(origins, 0.3, 5.0, 31), strict=True):
-                    np.testing.assert_array_equal(mine, again)
+                for found in ((bearing, nearest), (aside, away)):
+                    for mine, again in zip(found, view.nearest_wall(origins, 0.3, 5.0), strict=True):
+                        np.testing.assert_array_equal(mine, again)
+                np.testing.assert_array_equal(heard, view.cone(origins, 0.3, 5.0))
+                near_post |= bool((heard < away).any())
+        assert near_post  # which is no wall
         return nearest[:, :1]
 
     sensors = {"encoder": building.encoder(), "asks": Asks(ask=ask)}

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from amorsim.kernels.kinematics import poses
 
-__all__ = ["Table", "cone_bearings", "cone_directions", "directions_of", "fan"]
+__all__ = ["Table", "cone_bearings", "cone_directions", "directions_of"]
 
 Array = npt.NDArray[np.float64]
 Table = tuple[Array, Array]
@@ -37,9 +37,3 @@ def cone_bearings(half_angle: float) -> Array:
 def cone_directions(half_angle: float) -> Table:
     """Cosines and sines of a cone's rays."""
     return directions_of(cone_bearings(half_angle))
-
-
-@functools.lru_cache(maxsize=64)
-def fan(rays: int) -> Array:
-    """As many rays `(1, rays)` from edge to edge of a cone, in fractions of half its angle."""
-    return np.linspace(-1.0, 1.0, rays)[None, :]

@@ -17,7 +17,7 @@ from amorsim.kernels.kinematics import poses
 from amorsim.kernels.number_checks import all_indices
 from amorsim.kernels.raycast import cones
 from amorsim.simulation.world.bumper_contacts import find_touched
-from amorsim.simulation.world.directions import Table, cone_bearings, cone_directions, directions_of, fan
+from amorsim.simulation.world.directions import Table, cone_bearings, cone_directions, directions_of
 from amorsim.simulation.world.in_sight import bind_look, bind_walls, find_landmarks, look_about, normals_at
 from amorsim.simulation.world.neighbourhood import neighbours_of
 from amorsim.simulation.world.world import CONE_WORK, World
@@ -257,7 +257,13 @@ class GroupView:
         return out
 
     def bind_cone(
-        self, origins: Array, half_angle: Array, range_max: Array, out: Array, traversal: str = "exact"
+        self,
+        origins: Array,
+        half_angle: Array,
+        range_max: Array,
+        out: Array,
+        traversal: str = "exact",
+        wall: tuple[Array, Array] | None = None,
     ) -> Callable[[], None]:
         """A function that writes the nearest returns into `out`; see `amorsim.contracts.View.bind_cone`."""
         own, replica = self._carried("cone", origins)
@@ -270,7 +276,7 @@ class GroupView:
         def of_width(angle: float, which: Any) -> Callable[[], None]:
             here, found = origins[which], nearest[which]  # copies, if there are cones of other widths
             beams = here, angle, *cone_directions(angle), limits[which], found
-            calls = [self._bind_cone_walls(replica[which], *beams, _NO_RAYS)]
+            calls = [self._bind_cone_walls(replica[which], *beams, which, wall)]
             if self._world.has_company:
                 calls.append(self._world.bind_hear(own[which], replica[which], *beams))
             if len(widths) > 1:
@@ -294,37 +300,27 @@ class GroupView:
 
         return nearest_of_all
 
-    def nearest_wall(self, origins: Array, half_angle: Array, range_max: Array, rays: int) -> tuple[Array, Array]:
+    def nearest_wall(self, origins: Array, half_angle: Array, range_max: Array) -> tuple[Array, Array]:
         """Bearing and range of the nearest wall in a cone; see `amorsim.contracts.View.nearest_wall`."""
         self._carried("nearest_wall", origins)
         shape = self.rows, len(origins) // self.rows
         bearing, out = np.empty(shape), np.empty(shape)
-        self.bind_nearest_wall(origins, half_angle, range_max, rays, bearing, out)()
+        self.bind_nearest_wall(origins, half_angle, range_max, bearing, out)()
         return bearing, out
 
     def bind_nearest_wall(
-        self, origins: Array, half_angle: Array, range_max: Array, rays: int, bearing: Array, out: Array
+        self, origins: Array, half_angle: Array, range_max: Array, bearing: Array, out: Array
     ) -> Callable[[], None]:
         """A function that writes bearings and ranges; see `amorsim.contracts.View.bind_nearest_wall`."""
         _, replica = self._carried("nearest_wall", origins)
         per_row = len(origins) // self.rows
         limits = self._per_origin(range_max, per_row)
-        bearing, nearest = bearing.reshape(-1), out.reshape(-1)
 
         def of_width(angle: float, which: Any) -> Callable[[], None]:
-            here, found = origins[which], nearest[which]  # copies, if there are cones of other widths
-            ray = np.empty(len(found), dtype=np.int64)
-            bearings = angle * fan(rays)
-            given = here, angle, *self._table(bearings), limits[which], found, ray
-            cast = self._bind_cone_walls(replica[which], *given)
-
-            def look() -> None:
-                here[...] = origins[which]
-                cast()
-                nearest[which] = found
-                bearing[which] = bearings[0, ray]
-
-            return look
+            here = origins[which]  # a copy, if there are cones of other widths
+            beams = here, angle, *cone_directions(angle), limits[which], np.empty(len(here))
+            cast = self._bind_cone_walls(replica[which], *beams, which, (bearing, out))
+            return in_turn([lambda: np.copyto(here, origins[which]), cast])
 
         return in_turn([of_width(angle, which) for angle, which in _by_width(half_angle, per_row)])
 
@@ -359,13 +355,15 @@ class GroupView:
         sin_b: Array,
         limits: Array,
         out: Array,
-        ray: Ints,
+        which: Any,
+        wall: tuple[Array, Array] | None,
     ) -> Callable[[], None]:
         """A function that writes the nearest walls `(Q,)` in cones of one width into `out`.
 
-        `ray` `(Q,)`, unless it is empty, gets by which ray each is.
+        If `wall` is given, their bearings and ranges are also written into `which` of its arrays.
         """
         terrain = self._world.terrain
+        ray = _NO_RAYS if wall is None else np.empty(len(out), dtype=np.int64)
 
         def prepare(a: int, b: int) -> Callable[[], None]:
             calls: list[Callable[[], None]] = []
@@ -375,7 +373,18 @@ class GroupView:
                 calls.append(functools.partial(cones.cast_cones, *walls, *beams, out[rows], ray[rows]))
             return in_turn(calls)
 
-        return self._world.workers.bind(len(origins), CONE_WORK, prepare)
+        cast = self._world.workers.bind(len(origins), CONE_WORK, prepare)
+        if wall is None:
+            return cast
+        bearing, ranges = (array.reshape(-1) for array in wall)
+        bearings = cone_bearings(half_angle)[0]
+
+        def cast_and_tell() -> None:
+            cast()
+            bearing[which] = bearings[ray]
+            ranges[which] = out
+
+        return cast_and_tell
 
     def _carried(self, asked: str, origins: Array, row: Ints | None = None) -> tuple[Ints, Ints]:
         """The body that carries each origin, and its replica; of origins in turn, or of those of a `row` `(M,)`.
