@@ -2,6 +2,16 @@
 
 const NEAREST = 4000; // pixels a metre
 const FARTHEST = 0.5;
+const ZOOM = 0.0015; // of a wheel's turn, as a power of e
+const MOST = 120; // of a turn: that of one notch of most mice
+const PINCH = 10; // browsers tell of two fingers on a trackpad as a wheel that turns this much less, with Ctrl down
+
+/** How many times larger a wheel's turn shows the world.
+ * @param {{deltaY: number, ctrlKey: boolean}} event */
+export function zoomOf({ deltaY, ctrlKey }) {
+  const turn = ctrlKey ? PINCH * deltaY : deltaY;
+  return Math.exp(-ZOOM * Math.max(-MOST, Math.min(turn, MOST)));
+}
 
 export class Camera {
   constructor() {

@@ -1,11 +1,11 @@
 // A canvas: layers drawn through a camera at the device's pixels, a scale bar, coordinates, and a tool for pointer and keys.
 
+import { zoomOf } from "./camera.js";
 import { fixed, h, niceStep, say } from "./dom.js";
 import { Bitmap, drawLayer } from "./layer.js";
 import { Pinch } from "./pinch.js";
 import { Tool } from "./tool.js";
 
-const ZOOM = 0.0015; // of a wheel's turn, as a power of e
 const BUTTONS = { left: 0, middle: 1 };
 
 export class Canvas {
@@ -226,7 +226,7 @@ export class Canvas {
       (event) => {
         event.preventDefault();
         const { left, top } = this.placeOf(event);
-        camera.zoom(Math.exp(-Math.sign(event.deltaY) * Math.min(Math.abs(event.deltaY), 120) * ZOOM), ...this.onCamera(left, top));
+        camera.zoom(zoomOf(event), ...this.onCamera(left, top));
       },
       { passive: false },
     );

@@ -1,7 +1,7 @@
 // One camera for all panes, and two fingers that move it.
 
 import assert from "node:assert/strict";
-import { Camera } from "../../../../amorsim/ui/web/shared/camera.js";
+import { Camera, zoomOf } from "../../../../amorsim/ui/web/shared/camera.js";
 import { Pinch } from "../../../../amorsim/ui/web/shared/pinch.js";
 import { areNear } from "./near.js";
 
@@ -20,6 +20,16 @@ Deno.test("the point under the pointer stays there when zooming", () => {
   areNear(seen.toWorld(123, 77), before);
   seen.pan(40, -25);
   areNear(seen.toScreen(...before), [163, 52]);
+});
+
+Deno.test("a notch of a wheel zooms, and two fingers on a trackpad as much as they are pulled apart", () => {
+  const notch = zoomOf({ deltaY: -120, ctrlKey: false });
+  areNear([notch, zoomOf({ deltaY: 120, ctrlKey: false })], [Math.exp(0.18), Math.exp(-0.18)]);
+  assert.equal(zoomOf({ deltaY: -1000, ctrlKey: false }), notch);
+  // Chromium tells of fingers pulled 1 % apart as -1: 100 ln(1.01).
+  const apart = zoomOf({ deltaY: -1, ctrlKey: true });
+  assert(apart > 1.01 && apart < 1.02);
+  assert.equal(zoomOf({ deltaY: 0, ctrlKey: true }), 1);
 });
 
 Deno.test("all that fits is seen, and not much more", () => {
