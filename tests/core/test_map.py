@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import copy
 import functools
+import itertools
 import math
 import pickle
 from typing import Any
 
+import attrs
 import numpy as np
 import pytest
 
@@ -283,3 +285,28 @@ def test_an_array_is_neither_changed_nor_kept() -> None:
     frozen = np.ones((2, 2), bool)
     frozen.flags.writeable = False
     assert Map.from_array(frozen, resolution=1.0).to_array().all()
+
+
+def test_maps_are_equal_that_have_the_same_walls_and_cells() -> None:
+    walls = [[0.0, 0.0, 4.0, 0.0], [4.0, 0.0, 4.0, 3.0]]
+    world = Map.from_segments(walls, resolution=0.01)
+    assert world == Map.from_segments(np.array(walls) - 0.0, resolution=0.01)
+    assert world == Map.from_segments([[-0.0, 0.0, 4.0, -0.0], walls[1]], resolution=0.01)
+    cells = np.zeros((40, 50))
+    cells[7, 9] = 1.0
+    drawn, again = (Map.from_array(cells, resolution=0.1) for _ in range(2))
+    assert drawn == again
+    assert len({drawn, again, world}) == 2
+    others = [
+        Map.from_segments([walls[0], [4.0, 0.0, 4.0, 2.995]], resolution=0.01),  # a wall within the same cells
+        Map.from_segments(walls[::-1], resolution=0.01),
+        Map.from_segments(walls, resolution=0.02),
+        Map.from_segments(walls, resolution=0.01, name="other"),
+        attrs.evolve(world, segments=None),
+        attrs.evolve(world, unknown=world.grid),
+        Map.from_array(cells.T, resolution=0.1),
+        Map.from_array(np.roll(cells, 1), resolution=0.1),
+    ]
+    for one, other in itertools.permutations([world, drawn, *others], 2):
+        assert one != other
+    assert world != "a map"
