@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from amorsim.cli.console import complain, say
 
@@ -14,7 +15,18 @@ if TYPE_CHECKING:
 
 __all__ = ["app"]
 
+
+class _Commands(TyperGroup):
+    """Commands; another word is the name of a component, whose manual is shown."""
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """The command that the first word names, and what is left of the words."""
+        is_name = self.get_command(ctx, args[0]) is None and not args[0].startswith("-")
+        return super().resolve_command(ctx, ["show", *args] if is_name else args)
+
+
 app = typer.Typer(
+    cls=_Commands,
     help="List the registered components, and by whom; `show NAME` prints its manual, `check NAME` checks it.",
     invoke_without_command=True,
     rich_markup_mode=None,

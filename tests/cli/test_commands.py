@@ -96,6 +96,7 @@ def test_plugins_lists_and_shows(amorsim: Command) -> None:
     for part in ("sensor laser", "fov_deg", "a number [degrees]", "range_max", "[m], > 0", "181"):
         assert part in shown
     assert amorsim("plugins", "show", "sensor/laser").out == shown
+    assert amorsim("plugins", "laser").out == shown
     assert "wheel_radius_left = 0.0825" in amorsim("plugins", "show", "pioneer2dx").out
     result = amorsim("plugins", "show", "lasr")
     assert result.status == 2
