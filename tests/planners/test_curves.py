@@ -63,6 +63,8 @@ def naive_end(start, word, radius):
 
 
 @settings(max_examples=200, deadline=None)
+@example(start=ORIGIN, goal=(0.0, 0.0, 1e-8), radius=2.0)  # three turns, of which the outer two are about one place
+@example(start=ORIGIN, goal=(1e-9, -1e-8, 1e-8), radius=5.0)
 @given(start=POSES, goal=POSES, radius=st.floats(0.1, 5.0))
 def test_every_word_ends_at_the_goal(start, goal, radius):
     for words in (dubins_words, reeds_shepp_words):

@@ -91,15 +91,18 @@ def dubins_words(x: float, y: float, phi: float, words: Floats) -> int:
         p = math.sqrt(square)
         way = math.atan2(-ca - cb, d + sa + sb) - math.atan2(-2.0, p)
         n = _write3(words, n, (_L, _S, _R), _positive(way - a), p, _positive(way - b))
-    cosine = (6.0 - d * d + 2.0 * cab + 2.0 * d * (sa - sb)) / 8.0
-    if abs(cosine) <= 1.0:
-        p = _TURN - math.acos(cosine)
-        t = _positive(a - math.atan2(ca - cb, d - sa + sb) + 0.5 * p)
+    # Three circles in touch: by the way between the outer ones, which a cosine near 1 would not keep where it is short.
+    ahead, aside = d - sa + sb, ca - cb
+    way = math.sqrt(ahead * ahead + aside * aside)
+    if way <= 4.0:
+        p = _TURN - 2.0 * math.asin(0.25 * way)
+        t = _positive(a - math.atan2(aside, ahead) + 0.5 * p)
         n = _write3(words, n, (_R, _L, _R), t, p, _positive(a - b - t + p))
-    cosine = (6.0 - d * d + 2.0 * cab - 2.0 * d * (sa - sb)) / 8.0
-    if abs(cosine) <= 1.0:
-        p = _TURN - math.acos(cosine)
-        t = _positive(math.atan2(cb - ca, d + sa - sb) - a + 0.5 * p)
+    ahead, aside = d + sa - sb, cb - ca
+    way = math.sqrt(ahead * ahead + aside * aside)
+    if way <= 4.0:
+        p = _TURN - 2.0 * math.asin(0.25 * way)
+        t = _positive(math.atan2(aside, ahead) - a + 0.5 * p)
         n = _write3(words, n, (_L, _R, _L), t, p, _positive(b - a - t + p))
     return n
 
