@@ -12,7 +12,7 @@ from typing import Any
 from amorsim.core.arguments import checked
 from amorsim.core.errors import AmorsimError
 from amorsim.simulation.simulation import Simulation
-from amorsim.ui.serve.document import closed_document
+from amorsim.ui.serve.html_page import closed_document
 from amorsim.ui.simulator.live import Live
 
 __all__ = ["REFUSED", "widget"]

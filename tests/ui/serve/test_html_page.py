@@ -8,7 +8,7 @@ import re
 
 import pytest
 
-from amorsim.ui.serve.document import closed_document, document
+from amorsim.ui.serve.html_page import closed_document, document
 from amorsim.ui.serve.pages import KINDS, WEB
 
 IMPORTED = re.compile(r'(?:^import|\bfrom) "([^"]+)";$', re.MULTILINE)
