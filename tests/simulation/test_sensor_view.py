@@ -78,6 +78,12 @@ def look(ask: Callable[[Any, Any], Any]) -> am.Simulation:
         (lambda view, aim: view.floor(np.zeros((1, 2))), r"view\.floor: places: .* array \(1, k, 2\) \[m\], got an"),
         (lambda view, aim: view.floor(view.pose[:, None]), r"got an array of shape \(1, 1, 3\)"),
         (lambda view, aim: view.cone((0.0, 0.0, 0.0), 0.1, FAR), r"view\.cone: origins: .* got \(0\.0, 0\.0, 0\.0\)"),
+        (
+            lambda view, aim: view.bind_cone(
+                view.pose, 0.1, FAR, *np.empty((1, 1, 1)), "bresenham", np.empty((2, 1, 1))
+            ),
+            r"view\.cone: wall: expected None where the traversal is 'bresenham'",
+        ),
         (lambda view, aim: view.neighbours([1.0, 2.0]), r"view\.neighbours: range_max: expected numbers >= 0, one or"),
         (lambda view, aim: view.neighbours(FAR, -1.0), r"view\.neighbours: ahead: .* \(1, 1\), got -1\.0"),
         (lambda view, aim: view.neighbours(np.array([[np.nan]])), r"range_max: .* got an array of shape \(1, 1\)"),

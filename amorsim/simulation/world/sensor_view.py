@@ -271,6 +271,8 @@ class GroupView:
         limits, nearest = self._per_origin(range_max, per_row), out.reshape(-1)
         widths = list(_by_width(half_angle, per_row))
         if traversal == "bresenham":
+            if wall is not None:
+                raise ComponentError("view.cone: wall: expected None where the traversal is 'bresenham'")
             return in_turn([self._bind_bresenham(origins, angle, limits, nearest, which) for angle, which in widths])
 
         def of_width(angle: float, which: Any) -> Callable[[], None]:
