@@ -193,7 +193,7 @@ class Sensor(Component, abc.ABC):
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
-        simple_form_first(cls, {"sense": "bind"}, Sensor)
+        simple_form_first(cls, {"sense": "bind", "emit": "bind_emit"}, Sensor)
 
     @abc.abstractmethod
     def size(self, drive: Drive) -> int:
@@ -235,6 +235,13 @@ class Sensor(Component, abc.ABC):
     def emit(self, view: View, state: State) -> Emission | None:
         """Its emission into its `medium`; called for all sensors that have one before any sensor senses."""
         return None
+
+    def bind_emit(self, at: SensorBinding) -> Callable[[], Emission | None]:
+        """The function of its emission that each step calls. By default it calls `emit`.
+
+        It may return one `Emission` at every step, whose arrays keep their place.
+        """
+        return lambda: self.emit(at.look(), at.state)
 
 
 @attrs.frozen(kw_only=True)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Context, Draws, Noise, State, parameter
-from amorsim.kernels import elementary
 from amorsim.kernels.sensing import noise_elements
 
 __all__ = ["BiasInstability"]
@@ -44,17 +44,8 @@ class BiasInstability(Noise):
 
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
         """The values `(N, k)` plus the current bias."""
-        ratio = -elapsed / self.correlation_time
         process, out = draws.normal(values.shape[1]), np.empty(values.shape)
-        noise_elements.wander(
-            values,
-            state["process"],
-            elapsed,
-            elementary.exp(ratio),
-            elementary.expm1(2.0 * ratio),
-            self.std,
-            process,
-            out,
-        )
+        time: Any = self.correlation_time
+        noise_elements.wander(values, state["process"], elapsed, self.std, time, process, out)
         state["process"] = process
         return out

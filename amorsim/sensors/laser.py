@@ -11,9 +11,10 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Aim, Draws, Drive, Sensor, SensorBinding, Side, State, View, parameter
+from amorsim.contracts import Aim, Directions, Draws, Drive, Sensor, SensorBinding, Side, State, View, parameter
 from amorsim.core.execution.workers import at_first_call, in_turn
 from amorsim.core.parameters import ParameterError
+from amorsim.kernels.kinematics import poses
 from amorsim.kernels.sensing import readings
 from amorsim.sensors.incidence import bind_incidence
 from amorsim.sensors.sweep import poses_at
@@ -85,16 +86,48 @@ class Laser(Sensor):
         return _bearings(self.beams, np.asarray(self.fov).tobytes())
 
     def bind(self, at: SensorBinding) -> Callable[[], None]:
-        """Cast beams from the engine's own arrays, unless something bends them."""
+        """Cast beams from the engine's own arrays."""
+        ranges = np.empty((at.rows, self.beams))
+        blank = functools.partial(readings.blank_near, ranges, self.range_min, at.out)
         if at.aim is not None:
-            return super().bind(at)
-        bearings, ranges = self.bearings(), np.empty((at.rows, self.beams))
+            return in_turn([self._bind_bent(at, at.aim, ranges), blank])
+        bearings = self.bearings()
         range_max: Any = self.range_max
         cast = at.view.bind_cast(at.pose, bearings, range_max, ranges, self.traversal)
-        blank = functools.partial(readings.blank_near, ranges, self.range_min, at.out)
         view, origins = at.view, at.pose
         at.sides["incidence"] = at_first_call(lambda: bind_incidence(view, origins, bearings, ranges, range_max))
         return in_turn([cast, blank])
+
+    def _bind_bent(self, at: SensorBinding, aim_now: Callable[[], Aim], ranges: Array) -> Callable[[], None]:
+        """A function that casts beams as each sample's aim bends them, from where the laser was when they looked."""
+        straight, bearings = self.bearings(), np.empty(ranges.shape)
+        towards = Directions(np.empty(ranges.shape), np.empty(ranges.shape))
+        range_max: Any = self.range_max
+        view, body_pose, twist, pose = at.view, at.body_pose, at.twist, at.pose
+        moved = np.empty((ranges.size, 3))  # the origin of each beam, where they look at different times
+
+        def bind_beams(origins: Array, each: int) -> tuple[Callable[[], None], Callable[[], Array]]:
+            """What casts the beams, `each` of every origin, and what computes their angles of incidence."""
+            angles, cos, sin, found = (array.reshape(-1, each) for array in (bearings, *towards, ranges))
+            cast = view.bind_cast(origins, Directions(cos, sin), range_max, found, self.traversal)
+            return cast, at_first_call(lambda: bind_incidence(view, origins, angles, found, range_max))
+
+        at_once = bind_beams(pose, self.beams)
+        one_by_one = functools.cache(lambda: bind_beams(moved, 1))
+        cast, incidence = at_once
+
+        def look() -> None:
+            nonlocal cast, incidence
+            aim = aim_now()
+            bearings[:] = straight if aim.bearing is None else straight + aim.bearing
+            poses.directions(bearings, *towards)
+            cast, incidence = at_once if aim.time is None else one_by_one()
+            if aim.time is not None:
+                moved[:] = poses_at(body_pose, twist, np.repeat(pose, self.beams, axis=0), aim.time)
+            cast()
+
+        at.sides["incidence"] = lambda: incidence().reshape(ranges.shape)
+        return look
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
         """Ranges `(N, beams)` [m], inf for no return, -inf for what is nearer than `range_min`.
@@ -108,7 +141,7 @@ class Laser(Sensor):
         origins = view.pose
         shape = (view.rows, self.beams)
         if aim.time is not None:  # each beam from where the laser was when it looked
-            origins = poses_at(view, np.repeat(origins, self.beams, axis=0), aim.time)
+            origins = poses_at(view.body_pose, view.twist, np.repeat(origins, self.beams, axis=0), aim.time)
             bearings = np.array(np.broadcast_to(bearings, shape)).reshape(-1, 1)
         ranges = view.cast(origins, bearings, range_max, self.traversal)
         side = Side(incidence=lambda: bind_incidence(view, origins, bearings, ranges, range_max)().reshape(shape))

@@ -43,5 +43,5 @@ def ring_poses(view: View, ring: Any, aim: Aim) -> Array:
     if aim.bearing is not None:
         origins[:, 2] += aim.bearing.reshape(-1)
     if aim.time is not None:  # each element from where it was when it looked
-        origins = poses_at(view, origins, aim.time)
+        origins = poses_at(view.body_pose, view.twist, origins, aim.time)
     return origins

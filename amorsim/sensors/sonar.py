@@ -148,6 +148,20 @@ class Sonar(Sensor):
             time=time,
         )
 
+    def bind_emit(self, at: SensorBinding) -> Callable[[], Emission]:
+        """Place all elements in the world."""
+        ring: Any = self.elements
+        time = self._turns(at.rows)
+        half_angle = np.repeat(self.half_angle, time.shape[1], axis=1)
+        emission = Emission(np.empty((*time.shape, 3)), half_angle, np.ones(time.shape, dtype=bool), time)
+        origins = emission.poses.reshape(-1, 3)
+
+        def emit() -> Emission:
+            readings.place_ring(at.pose, ring.x, ring.y, ring.heading, origins)
+            return emission
+
+        return emit
+
     def _turns(self, rows: int) -> Array:
         """Firing time `(N, k)` [s] of each element after the tick."""
         turns: Any = self.firing

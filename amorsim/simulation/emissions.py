@@ -40,43 +40,46 @@ class _Source:
 
     def __init__(self, group: Group, name: str, unit: Device, replicas: int) -> None:
         self._group, self._name, self._unit, self._replicas = group, name, unit, replicas
-        self._carried: tuple[Ints, npt.NDArray[np.str_]] | None = None
+        self._known: Emission | None = None  # whose arrays, if they are given again, are those of `_emitted`
+        self._emitted: Emitted
 
     def emitted(self) -> Emitted:
         """What it emits now, by replica."""
-        group, name, unit, replicas = self._group, self._name, self._unit, self._replicas
+        unit = self._unit
         try:
-            emitted = unit.sensor.emit(unit.look(), unit.state)
-            if emitted is None:
-                raise group.whose.wrong(
-                    f"sensor {name!r}",
-                    unit.sensor,
-                    f"it has the medium {unit.sensor.medium!r}, but emit() gave nothing; expected poses, half angles "
-                    "and whether each emitter fires",
-                )
-            poses, half_angle, fired, time = emission = Emission(*emitted)
+            emission = unit.emit()
+            if emission is None or emission is not self._known:
+                self._emitted = self._by_replica(emission)
+                is_bound = all(array is None or array.flags.c_contiguous for array in emission or ())
+                self._known = emission if is_bound else None
         except RAISED as error:
             unit.blame(error)
-        if problem := emission_problem(emission, group.rows):
-            raise group.whose.wrong(f"sensor {name!r}", unit.sensor, problem)
         due, _ = unit.due()
-        fired = fired & due
-        # A group has the same robots in every replica, in order of replica.
+        known = self._emitted
+        return known._replace(fired=(known.fired.reshape(self._group.rows, -1) & due).reshape(self._replicas, -1))
+
+    def _by_replica(self, given: Emission | None) -> Emitted:
+        """The arrays of an emission, by replica: a group has the same robots in each, in order of replica."""
+        group, name, sensor, replicas = self._group, self._name, self._unit.sensor, self._replicas
+        if given is None:
+            raise group.whose.wrong(
+                f"sensor {name!r}",
+                sensor,
+                f"it has the medium {sensor.medium!r}, but emit() gave nothing; expected poses, half angles "
+                "and whether each emitter fires",
+            )
+        poses, half_angle, fired, time = emission = Emission(*given)
+        if problem := emission_problem(emission, group.rows):
+            raise group.whose.wrong(f"sensor {name!r}", sensor, problem)
+        body = np.repeat(group.bodies, poses.shape[1]).reshape(replicas, -1)
         return Emitted(
             poses.reshape(replicas, -1, 3),
             half_angle.reshape(replicas, -1),
             fired.reshape(replicas, -1),
             (np.zeros(fired.shape) if time is None else time).reshape(replicas, -1),
-            *self._carriers(poses.shape[1]),
+            body,
+            np.full(body.shape[1], name),
         )
-
-    def _carriers(self, each: int) -> tuple[Ints, npt.NDArray[np.str_]]:
-        """The bodies that carry its emitters, and the sensor's name for each, of as many in each row."""
-        known = self._carried
-        if known is None or known[0].size != self._group.rows * each:
-            body = np.repeat(self._group.bodies, each).reshape(self._replicas, -1)
-            known = self._carried = body, np.full(body.shape[1], self._name)
-        return known
 
 
 def emission_problem(emission: Emission, rows: int) -> str:

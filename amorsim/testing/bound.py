@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import abc
+import functools
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -16,6 +17,7 @@ from amorsim.contracts import (
     ControllerBinding,
     Drive,
     DriveBinding,
+    Emission,
     Estimate,
     Estimator,
     EstimatorBinding,
@@ -28,7 +30,7 @@ from amorsim.core.rows import stack
 from amorsim.kernels.kinematics import poses
 from amorsim.simulation.estimation.feeding import estimate_readings, feeders
 from amorsim.testing.failure import Who
-from amorsim.testing.rig import DT, ROWS, STEPS, Rig, Session
+from amorsim.testing.rig import DT, ROWS, STEPS, Rig, Session, bent
 
 __all__ = ["check_bound"]
 
@@ -46,9 +48,8 @@ def check_bound(who: Who, rig: Rig, components: Sequence[Any], size: int = 0, fi
     adds what a sensor emits to the rig's world.
     """
     component = stack(components)
-    kinds: dict[type, Any] = {Sensor: _Sensor, Drive: _Drive, Estimator: _Estimator, Controller: _Controller}
-    for base, form in kinds.items():
-        if isinstance(component, base) and type(component).bind is not base.bind:  # type: ignore[attr-defined]
+    for base, form in _FORMS:
+        if isinstance(component, base) and getattr(type(component), form.binds) is not getattr(base, form.binds):
             _compare(who, form(rig, component, size, fire), form(rig, component, size, fire))
 
 
@@ -57,18 +58,18 @@ def _compare(who: Who, simple: _Form, bound: _Form) -> None:
         simple.go_to(t)
         bound.go_to(t)
         if t == 0:
-            with who.calling("bind"):
+            with who.calling(bound.binds):
                 run = bound.bind()
         with who.calling(simple.name):
             expected = simple.call()
         before = {name: array.copy() for name, array in bound.given.items()}
         bound.out.fill(np.nan)
-        with who.calling("what bind() returned"):
+        with who.calling(f"what {bound.binds}() returned"):
             run()
         for name, array in bound.given.items():
             if array.tobytes() != before[name].tobytes():
                 who.fail("bind", f"{name}: expected an array of the engine to be left alone, found it changed")
-        _require_same(who, f"what bind() wrote in step {t}", expected, bound.out)
+        _require_same(who, f"what {bound.binds}() wrote in step {t}", expected, bound.out)
         for name, array in simple.state.items():
             if array.dtype != object:
                 _require_same(who, f"state[{name!r}] after step {t}", array, bound.state[name])
@@ -84,6 +85,7 @@ class _Form(abc.ABC):
     """One of the two forms of a component, stepped in the rig: the simple one is called, the other is bound once."""
 
     name = ""
+    binds = "bind"
 
     def __init__(self, rig: Rig, component: Any, size: int, fire: Fire | None) -> None:
         self.rig, self.component, self.size, self.fire = rig, component, size, fire
@@ -121,10 +123,11 @@ class _Form(abc.ABC):
 
 
 class _Sensor(_Form):
+    """A reading, and what else the chain may need, side by side in the order of their names."""
+
     name = "sense"
 
     def prepare(self) -> None:
-        self.out = np.zeros((ROWS, self.size))
         self._pose = np.zeros((ROWS, 3))
 
     def now(self) -> Mapping[str, npt.NDArray[Any]]:
@@ -133,23 +136,71 @@ class _Sensor(_Form):
         names = ("tick", "body_pose", "twist", "joints", "joint_rates")
         return {"pose": self._pose, **{name: getattr(view, name) for name in names}}
 
+    aim: Callable[[], Aim] | None = None
+
     def call(self) -> npt.NDArray[Any]:
-        values, _ = self.component.sense(self.session.view, Aim(), self.state, self.session.draws)
-        return np.asarray(values)
+        aim = Aim() if self.aim is None else self.aim()
+        values, side = self.component.sense(self.session.view, aim, self.state, self.session.draws)
+        return np.concatenate((values, *(side[name] for name in sorted(side))), axis=1)
 
     def bind(self) -> Callable[[], None]:
-        def answer(values: Any, _: Mapping[str, Array]) -> None:
-            self.out[...] = values
+        at = self.binding()
+        sense = self.component.bind(at)
+
+        def run() -> None:
+            sense()
+            self.out = np.concatenate((at.out, *(at.sides[name]() for name in sorted(at.sides))), axis=1)
+
+        return run
+
+    def binding(self) -> SensorBinding:
+        """What the component is bound to."""
+        out = np.zeros((ROWS, self.size))
+        sides: dict[str, Callable[[], Array]] = {}
+
+        def answer(values: Any, side: Mapping[str, Array]) -> None:
+            out[...] = values
+            sides.update({name: functools.partial(side.__getitem__, name) for name in side})
 
         given: Any = self.given
         view = self.session.view
-        bound: Callable[[], None] = self.component.bind(
-            SensorBinding(
-                rows=ROWS, dt=DT, view=view, look=lambda: view, state=self.state, draws=self.session.draws,
-                aim=None, sides={}, out=self.out, answer=answer, **given,
-            )
+        return SensorBinding(
+            rows=ROWS, dt=DT, view=view, look=lambda: view, state=self.state, draws=self.session.draws,
+            aim=self.aim, sides=sides, out=out, answer=answer, **given,
         )  # fmt: skip
-        return bound
+
+
+class _BentSensor(_Sensor):
+    """A sensor whose beams are bent; at every other step they look at different times, too."""
+
+    def prepare(self) -> None:
+        super().prepare()
+        self.aim = lambda: bent(self.session, self.size)
+
+
+class _Emitter(_Sensor):
+    """What a sensor emits: poses, half angles, whether each emitter fires, and when, side by side."""
+
+    name = "emit"
+    binds = "bind_emit"
+
+    def call(self) -> npt.NDArray[Any]:
+        return _beside(self.component.emit(self.session.view, self.state))
+
+    def bind(self) -> Callable[[], None]:
+        emit = self.component.bind_emit(self.binding())
+
+        def run() -> None:
+            self.out = _beside(emit())
+
+        return run
+
+
+def _beside(emission: Emission) -> Array:
+    """All arrays of an emission in one `(N, 6 e)`."""
+    times = np.zeros(emission.fired.shape) if emission.time is None else emission.time
+    poses = emission.poses.reshape(len(times), -1)
+    return np.concatenate((poses, emission.half_angle, emission.fired, times), axis=1)
 
 
 class _Drive(_Form):
@@ -287,3 +338,13 @@ class _Controller(_Software):
             )
         )
         return bound
+
+
+_FORMS: Sequence[tuple[type, Any]] = (
+    (Sensor, _Sensor),
+    (Sensor, _BentSensor),
+    (Sensor, _Emitter),
+    (Drive, _Drive),
+    (Estimator, _Estimator),
+    (Controller, _Controller),
+)

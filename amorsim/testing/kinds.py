@@ -17,7 +17,7 @@ from amorsim.simulation.estimation.feeding import estimate_readings, feeders
 from amorsim.simulation.fleet.controlling import report_problem
 from amorsim.simulation.world.world import Emitted
 from amorsim.testing.failure import Who, array_in_words
-from amorsim.testing.rig import DT, ROWS, STEPS, Rig, Session
+from amorsim.testing.rig import DT, ROWS, STEPS, Rig, Session, bent
 from amorsim.testing.trial import Given, Outputs, Trial
 
 __all__ = ["ControllerTrial", "EstimatorTrial", "MotionTrial", "NoiseTrial", "SensorTrial"]
@@ -72,9 +72,8 @@ class SensorTrial(Trial[Sensor]):
         view, rows = session.view, len(session.rows)
         aim = Aim()
         if session.t % 2:
-            bend = 0.01 * np.sin(session.index[:, None] + np.arange(self.size) + session.t)
-            aim = Aim(bearing=bend, time=-np.abs(bend) if session.t % 4 == 3 else None)
-            given.add("aim.bearing", bend)
+            aim = bent(session, self.size)
+            given.add("aim.bearing", aim.bearing)
             given.add("aim.time", aim.time)
         _watch(given, "view", view, _VIEW)
         if component.channels and session.t:

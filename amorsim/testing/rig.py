@@ -38,7 +38,7 @@ from amorsim.simulation.world.sensor_view import GroupView
 from amorsim.simulation.world.world import World
 from amorsim.testing.variants import variants
 
-__all__ = ["DT", "ROWS", "STEPS", "Rig", "Session"]
+__all__ = ["DT", "ROWS", "STEPS", "Rig", "Session", "bent"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -283,3 +283,9 @@ class Session:
     def elapsed(self) -> Array:
         """Seconds since the step before `(N, 1)`, 0 at the first."""
         return np.full((len(self.rows), 1), DT if self.t else 0.0)
+
+
+def bent(session: Session, size: int) -> Aim:
+    """Beams that are bent a little at every step, and at every other odd one look at different times."""
+    bend = 0.01 * np.sin(session.index[:, None] + np.arange(size) + session.t)
+    return Aim(bearing=bend, time=-np.abs(bend) if session.t % 4 == 3 else None)

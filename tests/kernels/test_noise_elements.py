@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from amorsim.kernels import elementary
 from amorsim.kernels.sensing import noise_elements
 
 ROWS, SIZE = 60, 5
@@ -46,10 +47,11 @@ def test_a_wandering_bias(rng, values, elapsed):
     before, noise = rng.normal(size=values.shape), rng.normal(size=values.shape)
     std, time, out = column(0.0, 2.0, 1), column(0.1, 5.0, 2), np.empty(values.shape)
     ratio = elapsed / time
-    remembered = np.where(elapsed > 0.0, np.exp(-ratio), 0.0)
-    process = before * remembered + noise * np.where(elapsed > 0.0, np.sqrt(-np.expm1(-2.0 * ratio)), 1.0)
+    remembered = np.where(elapsed > 0.0, elementary.exp(-ratio), 0.0)
+    fresh = np.where(elapsed > 0.0, np.sqrt(-elementary.expm1(-2.0 * ratio)), 1.0)
+    process = before * remembered + noise * fresh
     expected = values - (0.0 - process * std)
-    noise_elements.wander(values, before, elapsed, np.exp(-ratio), np.expm1(-2.0 * ratio), std, noise, out)
+    noise_elements.wander(values, before, elapsed, std, time, noise, out)
     assert noise.tobytes() == process.tobytes()
     assert out.tobytes() == expected.tobytes()
 

@@ -105,8 +105,8 @@ def test_what_looks_now_stands_where_it_stands_to_the_last_bit():
     random = np.random.default_rng(5)
     body, poses, twist = (random.uniform(-3.0, 3.0, (500, 3)) for _ in range(3))
     view = types.SimpleNamespace(body_pose=body, twist=twist)
-    assert poses_at(view, poses, np.zeros((500, 1))).tobytes() == poses.tobytes()
+    assert poses_at(view.body_pose, view.twist, poses, np.zeros((500, 1))).tobytes() == poses.tobytes()
     # The way there and back again: the body moves by its twist, and the pose with it.
-    before = poses_at(view, poses, np.full((500, 1), -0.2))
+    before = poses_at(view.body_pose, view.twist, poses, np.full((500, 1), -0.2))
     moved = compose(body, exponential(twist, np.full((500, 1), -0.2)))
     np.testing.assert_allclose(relative(moved, before), relative(body, poses), atol=1e-12)

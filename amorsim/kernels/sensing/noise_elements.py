@@ -37,7 +37,7 @@ def spread(values: Floats, density: Column, elapsed: Floats, noise: Floats) -> N
 
 @kernel
 def wander(
-    values: Floats, before: Floats, elapsed: Floats, kept: Floats, lost: Floats, std: Column, noise: Floats, out: Floats
+    values: Floats, before: Floats, elapsed: Floats, std: Column, correlation_time: Column, noise: Floats, out: Floats
 ) -> None:
     """Turn standard normal `noise`, in place, into a Gauss-Markov process, and write the values with it into `out`.
 
@@ -47,15 +47,14 @@ def wander(
         The process at the sample before, in standard deviations, (N, k).
     elapsed
         Since then [s], (N, 1). Over no time the process begins: nothing is kept of what was before.
-    kept, lost
-        exp(-t) and exp(-2 t) - 1 of the time t in correlation times, (N, 1).
-    std
-        Of the process.
+    std, correlation_time
+        Of the process; after this time [s] its correlation has fallen to 1/e.
     """
     for i in range(values.shape[0]):
         remembered, fresh = 0.0, 1.0
         if elapsed[i, 0] > 0.0:
-            remembered, fresh = kept[i, 0], math.sqrt(-lost[i, 0])
+            times = elapsed[i, 0] / correlation_time[i, 0]
+            remembered, fresh = math.exp(-times), math.sqrt(-math.expm1(-2.0 * times))
         for j in range(values.shape[1]):
             process = before[i, j] * remembered + noise[i, j] * fresh
             noise[i, j] = process

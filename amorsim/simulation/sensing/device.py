@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Aim, Context, Draws, Measurement, Sensor, SensorBinding, Side, State
+from amorsim.contracts import Aim, Context, Draws, Emission, Measurement, Sensor, SensorBinding, Side, State
 from amorsim.core.error_text import RAISED, in_words
 from amorsim.core.rows import stack
 from amorsim.kernels.kinematics import poses
@@ -30,6 +30,7 @@ Ticks = npt.NDArray[np.int64]
 Flags = npt.NDArray[np.bool_]
 
 _HELD = ("true", "measured", "stamp", "last", "age", "fresh")
+_BOUND = ("_sense", "emit", "look")
 _NO_SIDES: Mapping[str, Array] = {}
 
 
@@ -99,12 +100,12 @@ class Device:
 
     def __getstate__(self) -> dict[str, Any]:
         """All but what is bound, which a copy prepares again."""
-        return {name: value for name, value in vars(self).items() if name not in ("_sense", "look")} | {"_sides": {}}
+        return {name: value for name, value in vars(self).items() if name not in _BOUND} | {"_sides": {}}
 
     def unbind(self) -> None:
         """Let go of what is bound; see `Group.unbind`."""
         self._sides.clear()
-        for name in ("_sense", "look"):
+        for name in _BOUND:
             vars(self).pop(name, None)
 
     # ------------------------------------------------------------------------------------------------- parameters
@@ -204,6 +205,8 @@ class Device:
             answer=lambda values, side: self._take(self._ahead, values, side),
         )
         self._sense: Callable[[], None] = self.sensor.bind(at)
+        if self.sensor.medium:
+            self.emit: Callable[[], Emission | None] = self.sensor.bind_emit(at)
         if self.chain.aims:
             ahead = self._sense
             aimed = attrs.evolve(
