@@ -89,13 +89,13 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
             )
         self.task = task
         self.num_envs = num_envs
-        self._mode = AutoresetMode(autoreset_mode)
+        self.autoreset_mode = AutoresetMode(autoreset_mode)  # as Gymnasium's own vector environments have it, too
         check_render_mode(render_mode, num_envs)
         self.render_mode = render_mode
         self.metadata = {
             "render_modes": RENDER_MODES,
             "render_fps": round(1.0 / task.period),
-            "autoreset_mode": self._mode,
+            "autoreset_mode": self.autoreset_mode,
         }
         self._pictures: Pictures | None = None
         self._worlds = Worlds(scenario, task, num_envs, dtype=dtype, threads=threads, controller=controller)
@@ -214,7 +214,7 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
         if not self._is_begun:
             raise ValueError("expected reset() before the first step")
         again = self._is_over.copy()
-        if self._mode is AutoresetMode.DISABLED and again.any():
+        if self.autoreset_mode is AutoresetMode.DISABLED and again.any():
             raise ValueError(
                 f"{int(again.sum())} episodes are over: begin others with reset(options={{'reset_mask': ...}}) first"
             )
@@ -230,7 +230,7 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
             self._count[again] = 0
         self._is_over = terminated | truncated
         infos = self._infos(again | self._is_over, outcome)
-        if self._mode is AutoresetMode.SAME_STEP and self._is_over.any():
+        if self.autoreset_mode is AutoresetMode.SAME_STEP and self._is_over.any():
             infos |= self._finals(infos)
             over = self._is_over
             self._worlds.begin_again(over)

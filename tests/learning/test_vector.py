@@ -68,6 +68,7 @@ def test_gymnasium_finds_the_tasks_by_name() -> None:
     one = gym.make("amorsim/PointGoal-v0", distance=(1.0, 2.0))
     np.testing.assert_array_equal(one.reset(seed=5)[0], seen[1])
     assert found.metadata["autoreset_mode"] is AutoresetMode.NEXT_STEP
+    assert found.autoreset_mode is AutoresetMode.NEXT_STEP  # where TorchRL looks, as Gymnasium's own have it
 
 
 @pytest.mark.parametrize("name", amorsim.learning.TASKS)

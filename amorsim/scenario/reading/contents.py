@@ -76,7 +76,7 @@ def _not_a_scenario(document: Mapping[str, Any]) -> str:
 def read_top(top: Node, registry: Registry, maps: Maps, starts: bool, is_map_alone: bool) -> dict[str, Any]:
     """The arguments of a `Scenario`, from the whole table, into which models were merged."""
     check_format(top.child("format"))
-    top.refuse_unknown(_KEYS)
+    top.refuse_unknown(_KEYS, {"map": "[world]"} | dict.fromkeys(_TIMES, "[simulation]"))
     if "description" in top:
         top.child("description").text("a text")
     values: dict[str, Any] = {}

@@ -226,8 +226,13 @@ class Node:
         self.fault(f"expected {what}, got {shown(self.value)}")
         return None
 
-    def refuse_unknown(self, known: Mapping[str, Any] | tuple[str, ...]) -> None:
-        """Note a fault for every key of this table that is unknown, with what may have been meant."""
+    def refuse_unknown(
+        self, known: Mapping[str, Any] | tuple[str, ...], elsewhere: Mapping[str, str] | None = None
+    ) -> None:
+        """Note a fault for every key of this table that is unknown, with what may have been meant.
+
+        `elsewhere` has keys of other tables that are often written here, each with the name of its table.
+        """
         for key, node in self.children():
             if key in known:
                 continue
@@ -235,6 +240,8 @@ class Node:
                 node.fault(f"this is an angle: write {key}_deg, in degrees")
             elif key.endswith("_deg") and key[:-4] in known:
                 node.fault(f"this is not an angle: write {key[:-4]}")
+            elif elsewhere and key in elsewhere:
+                node.fault(f"unknown key; it belongs in {elsewhere[key]}")
             else:
                 node.fault(unknown_key(key, known))
 

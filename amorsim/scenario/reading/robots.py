@@ -108,7 +108,7 @@ def read_robot(
     if not node.expect_table("a table: name, model, pose, controller ..."):
         return None
     before = node.book.count
-    node.refuse_unknown(_ROBOT_KEYS)
+    node.refuse_unknown(_ROBOT_KEYS, dict.fromkeys(("x", "y", "heading_deg"), "pose = { ... }"))
     values: dict[str, Any] = {"name": _name(node.child("name"), "robot")}
     if "resolved_from" in node:
         values["model"] = node.child("resolved_from").text("a text")
@@ -221,7 +221,7 @@ def read_obstacle(node: Node, number: int, registry: Registry) -> Obstacle | Non
     if not node.expect_table("a table: name, shape, pose, motion"):
         return None
     before = node.book.count
-    node.refuse_unknown(_OBSTACLE_KEYS)
+    node.refuse_unknown(_OBSTACLE_KEYS, dict.fromkeys(("x", "y", "heading_deg"), "pose = { ... }"))
     default = f"obstacle{number}_" if "count" in node else f"obstacle{number}"
     values: dict[str, Any] = {"name": _name(node.child("name"), default)}
     values["shape"] = read_shape(node.child("shape"))

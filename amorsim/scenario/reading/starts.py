@@ -115,7 +115,9 @@ def read_series(node: Node, body: Body | None, world: Map | None) -> list[Body]:
         child = node.child("start")
         kinds = [kind for kind in _KINDS if child.is_table and kind in child]
         if len(kinds) != 1:
-            child.fault(f"{_EXPECTED}, got {shown(child.value)}")
+            is_pose = child.is_table and "x" in child and "y" in child
+            hint = ". Of one robot at one place, write pose = { ... }" if is_pose else ""
+            child.fault(f"{_EXPECTED}, got {shown(child.value)}{hint}")
         elif kinds[0] == "random":
             start = read_component(RandomStart, child)
             if start is not None and world is not None and body is not None:
