@@ -41,8 +41,8 @@ BESIDE = (
     "schedule, they were ahead of it with one Pioneer in an office, by 1.3 and by 2.0, and in an open field by 1.5 and "
     "by 2.2. With 100 discs in an open field amorsim was ahead, by 17 and by 158.",
     "A fleet of ten models in Stage made about 5000 robot-steps a second there.",
-    "With one Pioneer, a C++ program written on Box2D was ahead of amorsim by 2.2 in an office and by 8 in an open "
-    "field; in a furnished office amorsim was, by 1.1, and with 100 discs in an open field by 7.6.",
+    "With one Pioneer, a C++ program written on Box2D is ahead of amorsim by 1.3 in an office and by 7 in an open "
+    "field; in a furnished office amorsim is, by 1.7, and with 100 discs in an open field by 4.5.",
     "range_libc's look-up table was 2.8 times as fast as amorsim on cells of 5 cm; it is approximate.",
 )
 """What was measured next to amorsim on one machine in 2026, and is not measured here."""
