@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from amorsim.cli.console import compile_once, say
 
@@ -16,7 +17,16 @@ if TYPE_CHECKING:
 
 __all__ = ["app"]
 
-app = typer.Typer(no_args_is_help=False, rich_markup_mode=None, add_completion=False)
+
+class _Commands(TyperGroup):
+    """Commands; a number alone is that of a lab, which is begun."""
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """The command that the first word names, and what is left of the words."""
+        return super().resolve_command(ctx, ["start", *args] if args[0].isdecimal() else args)
+
+
+app = typer.Typer(cls=_Commands, no_args_is_help=False, rich_markup_mode=None, add_completion=False)
 
 
 @app.callback(invoke_without_command=True)

@@ -36,6 +36,7 @@ def test_a_lab_is_begun_in_a_folder_of_its_own(amorsim: Command) -> None:
     assert "there is something in it" in amorsim("lab", "start", "6", "lab-6").err
     assert "known labs: 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13" in amorsim("lab", "start", "99", "other").err
     assert not Path("other").exists()
+    assert amorsim("lab", "2").out == amorsim("lab", "start", "2", "again").out.replace("again", "lab-2")
     Path("empty").mkdir()
     assert "not the folder of a lab" in amorsim("lab", "check", "empty").err
 
