@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import tomllib
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 import amorsim as am
+from amorsim.plugins.manager import default_registry
+from amorsim.scenario.reading.read import loads
 from amorsim.ui.editor.session import EditSession
 from tests.ui.editor.talking import do, drawn, talk
 
@@ -237,3 +240,31 @@ def test_the_description_is_set(tmp_path: Path) -> None:
         assert (await drawn(session))["faults"] == []
 
     talk("demo", tmp_path, say)
+
+
+def test_a_task_is_chosen_and_set_by_forms(tmp_path: Path) -> None:
+    async def say(session: EditSession) -> None:
+        text = session.work.text
+        (section,) = (await sections_of(session, "task")).values()
+        assert section["use"] == {
+            "kind": "task",
+            "value": "",
+            "choices": sorted(default_registry().names("task")),
+            "is_optional": True,
+        }
+        await change(session, op="set", path="task.use", value="point_goal")
+        (section,) = (await sections_of(session, "task")).values()
+        assert "task.horizon" in [field["path"] for field in section["fields"]]
+        await change(session, op="set", path="task.horizon", value=20.0)
+        assert (await drawn(session))["faults"] == []
+        (thing,) = [thing for thing in (await drawn(session))["things"] if thing["path"] == "task"]
+        assert thing["note"] == "point_goal"
+        read = loads(tomllib.loads(session.work.text), session.work.path.parent)
+        assert read.task == am.tasks.PointGoal(horizon=20.0)
+        await change(session, op="remove", path="task")
+        assert session.work.document.values.get("task") is None
+        for _ in range(3):
+            await do(session, do="undo")
+        assert session.work.text == text
+
+    talk("doors", tmp_path, say)

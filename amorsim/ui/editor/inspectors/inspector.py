@@ -69,6 +69,8 @@ class _Inspector:
                 yield from self._world()
             case ("recording",):
                 yield from self._recording()
+            case ("task",):
+                yield from self._component("Task", (), "task", is_optional=True)
             case _:
                 yield self._as_toml(str(self.at[-1]).capitalize(), ())
 

@@ -46,7 +46,7 @@ class ThingFields:
         try:
             table = document.get(path)
         except DocumentError:
-            if self.at[0] not in ("simulation", "world", "recording", "floor") or len(self.at) > 1:
+            if self.at[0] not in ("simulation", "world", "recording", "floor", "task") or len(self.at) > 1:
                 raise
             table = {}
         if not isinstance(table, dict):

@@ -114,6 +114,9 @@ def things_of(document: Document, partial: Partial, registry: Registry) -> list[
             found.append(thing)
     found.insert(2, _thing("recording", "settings", "recording", "what a run writes"))
     found.insert(3, _thing("floor", "settings", "floor", "lines, areas, drops"))
+    task = values.get("task")
+    learned = str(task.get("use", "?")) if isinstance(task, dict) else "what a policy learns"
+    found.insert(4, _thing("task", "settings", "task", learned))
     counts = Counter(before for fault in partial.faults for before in _starts_of(fault.path))
     for thing in found:
         if thing["kind"] in ("robot", "obstacle") or thing["path"] == "floor":

@@ -2,7 +2,7 @@
 
 import { tableAt } from "./table_at.js";
 
-const TABLES = ["world", "simulation", "recording", "[[robots]]", "[[obstacles]]", "[[zones]]", "[[landmarks]]", "[[lights]]"];
+const TABLES = ["world", "simulation", "recording", "floor", "task", "[[robots]]", "[[obstacles]]", "[[zones]]", "[[landmarks]]", "[[lights]]"];
 
 /**
  * What may stand where one types: null where nothing is known. `from` is the column that it begins at.
