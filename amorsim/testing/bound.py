@@ -148,6 +148,7 @@ class _Sensor(_Form):
         sense = self.component.bind(at)
 
         def run() -> None:
+            at.out.fill(np.nan)  # all of it is to be written
             sense()
             self.out = np.concatenate((at.out, *(at.sides[name]() for name in sorted(at.sides))), axis=1)
 
@@ -171,7 +172,7 @@ class _Sensor(_Form):
 
 
 class _BentSensor(_Sensor):
-    """A sensor whose beams are bent; at every other step they look at different times, too."""
+    """A sensor whose beams are bent, and now and then look at different times; see `bent`."""
 
     def prepare(self) -> None:
         super().prepare()

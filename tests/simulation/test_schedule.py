@@ -134,6 +134,31 @@ def test_a_subclass_that_overrides_the_simple_form_is_called_by_it() -> None:
     assert rover.readings["compass"].true[0] == rover.true_pose[2] + 1.0
 
 
+@attrs.frozen(kw_only=True)
+class Silent(am.sensors.Sonar):
+    """Overrides the simple form of an emission that is bound."""
+
+    def emit(self, view: Any, state: Any) -> Any:
+        """What a sonar emits, without the sound."""
+        emission = super().emit(view, state)
+        return emission._replace(fired=np.zeros_like(emission.fired))
+
+
+def test_a_subclass_that_overrides_what_is_emitted_is_asked_for_it() -> None:
+    heard = []
+    for kind in (am.sensors.Sonar, Silent):
+        elements = (am.Mount(heading=0.0), am.Mount(heading=0.1))
+        sonar = kind(elements=elements, medium="ultrasound", firing=(0, 1), interval=0.001, range_min=0.0)
+        noise = building.chain(am.noise.CrossTalk())
+        sensors = {"sonar": MountedSensor(sensor=sonar, noise=noise), "encoder": building.encoder()}
+        robot = building.robot(sensors=sensors)
+        sim = am.Simulation(building.scenario(robot))
+        sim.step()
+        reading = sim.robot("rover").readings["sonar"]
+        heard.append(bool((reading.measured < reading.true).any()))
+    assert heard == [True, False]
+
+
 class Reversed:
     """A mixin, which is not a sensor, that overrides a simple form."""
 

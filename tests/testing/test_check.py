@@ -34,6 +34,7 @@ from amorsim.contracts import (
     RobotModel,
     RunInfo,
     Sensor,
+    SensorBinding,
     State,
     View,
     parameter,
@@ -813,6 +814,36 @@ class FlatCalls(Range):
 
 
 @frozen
+class WritesNothing(Range):
+    """Reads 0, which it leaves to whoever makes the array."""
+
+    def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
+        return np.zeros((view.rows, 2)), {}
+
+    def bind(self, at: SensorBinding) -> Callable[[], None]:
+        return lambda: None
+
+
+@frozen
+class EmitsElsewhere(Range):
+    """Says when bound that it is 1 m to the right."""
+
+    medium: ClassVar[str] = "air"
+
+    def emit(self, view: View, state: State) -> am.Emission:
+        shape = view.rows, 1
+        return am.Emission(view.pose[:, None].copy(), np.full(shape, 0.5), np.ones(shape, dtype=bool))
+
+    def bind_emit(self, at: SensorBinding) -> Callable[[], am.Emission | None]:
+        def emit() -> am.Emission:
+            emission = self.emit(at.look(), at.state)
+            emission.poses[..., 0] += 1.0
+            return emission
+
+        return emit
+
+
+@frozen
 class ReadsDegrees(Range):
     unit: ClassVar[str] = "deg"
 
@@ -923,6 +954,8 @@ BROKEN = {
     NoMessage: "plan",
     OneStep: "steps",
     FlatCalls: "emit",
+    WritesNothing: "bind",
+    EmitsElsewhere: "bind",
     ReadsDegrees: "unit",
     ColumnInCentimetres: "columns",
     ListOfChannels: "channels",
