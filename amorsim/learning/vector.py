@@ -213,24 +213,24 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
         """
         if not self._is_begun:
             raise ValueError("expected reset() before the first step")
-        again = self._is_over.copy()
-        if self.autoreset_mode is AutoresetMode.DISABLED and again.any():
+        again = self._is_over
+        some_again = bool(np.count_nonzero(again))
+        if self.autoreset_mode is AutoresetMode.DISABLED and some_again:
             raise ValueError(
                 f"{int(again.sum())} episodes are over: begin others with reset(options={{'reset_mask': ...}}) first"
             )
         outcome = self._worlds.act(self._taken(actions))
         self._count += 1
-        truncated = self._count >= self._worlds.horizon
         reward, terminated = outcome.reward.copy(), outcome.is_terminated.copy()
-        truncated &= ~terminated
-        if again.any():  # the mode is NEXT_STEP: in these the action was for nothing
+        truncated = (self._count >= self._worlds.horizon) & ~terminated
+        if some_again:  # the mode is NEXT_STEP: in these the action was for nothing
             self._worlds.begin_again(again)
             reward[again] = 0.0
             terminated[again] = truncated[again] = False
             self._count[again] = 0
         self._is_over = terminated | truncated
         infos = self._infos(again | self._is_over, outcome)
-        if self.autoreset_mode is AutoresetMode.SAME_STEP and self._is_over.any():
+        if self.autoreset_mode is AutoresetMode.SAME_STEP and np.count_nonzero(self._is_over):
             infos |= self._finals(infos)
             over = self._is_over
             self._worlds.begin_again(over)
@@ -244,7 +244,7 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
         """The actions `(num_envs, 1, a)`."""
         taken = np.asarray(actions, dtype=float)
         expected = self.num_envs, len(self._worlds.low)
-        if taken.shape != expected or not np.isfinite(taken).all():
+        if taken.shape != expected or np.count_nonzero(np.isfinite(taken)) < taken.size:
             raise ValueError(f"actions: expected finite numbers {expected}, got shape {taken.shape}")
         return taken[:, None]
 
@@ -278,7 +278,7 @@ class SimulationVectorEnv(VectorEnv[Any, Any, Any]):
     def _infos(self, which: Bools, outcome: StepOutcome | None = None) -> dict[str, Any]:
         """Infos as Gymnasium has them: arrays, and masks of the environments that they are about."""
         infos: dict[str, Any] = {"episode_number": self.simulation.episodes.copy(), "_episode_number": which.copy()}
-        if outcome is not None and self._is_over.any():
+        if outcome is not None and np.count_nonzero(self._is_over):
             infos |= {"is_success": outcome.is_success & self._is_over, "_is_success": self._is_over.copy()}
         return infos
 

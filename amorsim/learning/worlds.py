@@ -172,12 +172,11 @@ class Worlds:
             return self.task.judge(self.simulation.truth(), self.episode)
 
     def _drive(self, is_on: Bools | None) -> None:
-        shape = self._action.shape[:2]
-        parts = [part.reshape(shape) for part in self.task.velocities(self._action.reshape(-1, len(self.low)))]
+        parts: Sequence[Array] = self.task.velocities(self._action.reshape(-1, len(self.low)))
         if is_on is not None:
-            parts = [np.where(is_on, part, 0.0) for part in parts]
+            parts = [np.where(is_on.reshape(-1), part, 0.0) for part in parts]
         for column, name in enumerate(self.agents):
-            forward, turn, left = (part[:, column] for part in parts)
+            forward, turn, left = (part[column :: len(self.agents)] for part in parts)
             self.simulation.drive(name, forward=forward, turn=turn, left=left)
 
     def observe(self) -> list[npt.NDArray[Any]]:

@@ -39,7 +39,7 @@ def drive_all(fleet: Fleet, name: str, forward: Any, left: Any, turn: Any) -> No
         rows = slice(None) if len(own) == group.rows else own  # no copies of all rows
         driver = group.driver
         by_hand, state = driver.by_hand[rows, 0], driver.state.get("command")
-        if state is None and not by_hand.all():
+        if state is None and np.count_nonzero(by_hand) < len(by_hand):
             raise AmorsimError(
                 f"robot {name!r}: only the 'manual' controller takes commands from outside, and this is "
                 f"{type(driver.controller).__name__}; take the robot over with hand_over({name!r}) first"
@@ -49,7 +49,7 @@ def drive_all(fleet: Fleet, name: str, forward: Any, left: Any, turn: Any) -> No
         joints = joints_of(group.robot, group.readings)
         along = command_along(group.robot, limited(driver.controller, wanted), joints)[rows]
         for held, takes in ((driver.hand, by_hand), (state, ~by_hand)):
-            if takes.any():
+            if np.count_nonzero(takes):
                 assert held is not None
                 channels = slice(along.shape[1])
                 held[rows, channels] = np.where(takes[:, None], along, held[rows, channels])
@@ -61,7 +61,7 @@ def _twists(name: str, replicas: int, *parts: Any) -> Array:
     try:
         for column, part in enumerate(parts):
             twists[:, column] = part
-        is_fine = bool((np.abs(twists) <= LARGEST).all())
+        is_fine = np.count_nonzero(np.abs(twists) <= LARGEST) == twists.size
     except (TypeError, ValueError, OverflowError):
         is_fine = False
     if not is_fine:

@@ -80,8 +80,11 @@ class FollowLeader(Task):
         seen = is_leader.any(axis=1)
         away = np.where(seen, found[:, 0] / longest, 0.0).clip(0.0, 1.0)
         bearing = np.where(seen, found[:, 1], 0.0)
-        leader = np.column_stack((seen, away, seen * np.cos(bearing), seen * np.sin(bearing)))
-        return with_ranges((leader, known.action), known, self.sensor)
+        observed = with_ranges(6, known, self.sensor)
+        observed[:, 0], observed[:, 1] = seen, away
+        observed[:, 2], observed[:, 3] = seen * np.cos(bearing), seen * np.sin(bearing)
+        observed[:, 4:6] = known.action
+        return observed
 
     def judge(self, truth: TrueState, episode: State) -> StepOutcome:
         """Reward for the distance to the leader, and for losing it or touching something."""

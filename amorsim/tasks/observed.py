@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -49,19 +48,17 @@ def beams_of(who: str, robot: RobotModel, sensor: str) -> int:
     return robot.sensors[sensor].size
 
 
-def with_ranges(columns: Sequence[Array], known: Observable, sensor: str) -> Array:
-    """Observations: columns, each `(N, k)`, side by side, and after them the ranges of a sensor, if there is one.
+def with_ranges(first: int, known: Observable, sensor: str) -> Array:
+    """Observations `(N, first + beams)`: columns to fill, and after them the ranges of a sensor, if there is one.
 
     Ranges are from 0 to 1 of the sensor's longest; no return, and no reading yet, are the longest too.
     """
     model = known.robot.sensors[sensor] if sensor else None
-    size = sum(column.shape[1] for column in columns)
-    found = np.empty((len(known.action), size + (model.size if model else 0)))
-    np.concatenate(columns, axis=1, out=found[:, :size])
+    found = np.empty((len(known.action), first + (model.size if model else 0)))
     if model:
         range_max = getattr(model.sensor, "range_max")  # noqa: B009 - of range sensors alone
         longest = np.array(range_max, dtype=np.float64).reshape(-1, 1)
-        shares_of_range(known.readings[sensor].measured, longest, size, found)
+        shares_of_range(known.readings[sensor].measured, longest, first, found)
     return found
 
 

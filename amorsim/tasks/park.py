@@ -107,7 +107,10 @@ class Park(Task):
             parts = [np.cos(trailer[:, 2:]), np.sin(trailer[:, 2:])]
         goal = from_robot(pose, episode["goal"])
         goal[:, :2] = goal[:, :2].clip(-_FARTHEST, _FARTHEST)
-        return with_ranges((goal, *parts, known.action), known, self.sensor)
+        columns = np.concatenate((goal, *parts, known.action), axis=1)
+        observed = with_ranges(columns.shape[1], known, self.sensor)
+        observed[:, : columns.shape[1]] = columns
+        return observed
 
     def judge(self, truth: TrueState, episode: State) -> StepOutcome:
         """Reward for coming nearer, for the bay, and for touching something."""

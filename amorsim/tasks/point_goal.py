@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Draws, Observable, RobotModel, State, StepOutcome, Task, TrueState, parameter
-from amorsim.kernels import elementary
+from amorsim.kernels.sensing.readings import range_and_bearing
 from amorsim.tasks.goals import goal_within
 from amorsim.tasks.observed import beams_of, with_ranges
 
@@ -81,21 +81,19 @@ class PointGoal(Task):
 
     def observe(self, known: Observable, episode: State) -> Array:
         """The observations `(N, 5 + beams)`."""
-        pose = known.estimate.pose
-        east, north = (episode["goal"] - pose[:, :2]).T
-        bearing = elementary.arctan2(north, east) - pose[:, 2]
-        goal = np.empty((len(pose), 3))
-        np.minimum(np.hypot(east, north), self._farthest, out=goal[:, 0])
-        goal[:, 1], goal[:, 2] = np.cos(bearing), np.sin(bearing)
-        return with_ranges((goal, known.action), known, self.sensor)
+        found = with_ranges(5, known, self.sensor)
+        range_and_bearing(known.estimate.pose, episode["goal"], self._farthest, found)
+        found[:, 3:5] = known.action
+        return found
 
     def judge(self, truth: TrueState, episode: State) -> StepOutcome:
         """Reward for coming nearer, for the goal, and for touching something."""
         before = episode["distance"]
-        distance = np.hypot(*(episode["goal"] - truth.pose[:, :2]).T)
+        east, north = (episode["goal"] - truth.pose[:, :2]).T
+        distance = np.hypot(east, north)
         episode["distance"] = distance
         reached = (distance <= self.tolerance) & ~truth.is_touching
         reward = before - distance + self.time_reward * self.period
-        reward += np.where(reached, self.success_reward, 0.0)
-        reward += np.where(truth.is_touching, self.collision_reward, 0.0)
+        reward += self.success_reward * reached
+        reward += self.collision_reward * truth.is_touching
         return StepOutcome(reward, reached | truth.is_touching, reached)

@@ -16,6 +16,7 @@ __all__ = [
     "blank_near",
     "count_turns",
     "place_ring",
+    "range_and_bearing",
     "response",
     "scatter",
     "shares_of_range",
@@ -120,6 +121,21 @@ def shares_of_range(ranges: Floats, range_max: Column, first: int, out: Floats) 
             share = ranges[i, j] / most
             share = share if share < 1.0 else 1.0
             out[i, first + j] = share if share > 0.0 else 0.0
+
+
+@kernel
+def range_and_bearing(poses: Floats, places: Floats, farthest: float, out: Floats) -> None:
+    """Write how far `places` (N, 2) are from `poses` (N, 3), and cosine and sine of the bearing, into `out` (N, 3+).
+
+    A distance is `farthest` [m] at most.
+    """
+    for i in range(poses.shape[0]):
+        east = places[i, 0] - poses[i, 0]
+        north = places[i, 1] - poses[i, 1]
+        bearing = math.atan2(north, east) - poses[i, 2]
+        out[i, 0] = min(math.hypot(east, north), farthest)
+        out[i, 1] = math.cos(bearing)
+        out[i, 2] = math.sin(bearing)
 
 
 @kernel

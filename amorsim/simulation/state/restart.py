@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import operator
+
 import numpy as np
 import numpy.typing as npt
 
@@ -31,7 +33,7 @@ def begin_episode(fleet: Fleet, which: npt.NDArray[np.bool_]) -> None:
         put_back(fleet, present, np.ones_like(which))
     assert fleet.upcoming is not None
     put_back(fleet, fleet.upcoming, which)
-    again = {replica for replica, begins in zip(fleet.replicas, which.tolist(), strict=True) if begins}
+    again = {fleet.replicas[number] for number in np.flatnonzero(which).tolist()}
     fleet.events = [event for event in fleet.events if event.replica not in again]
 
 
@@ -55,7 +57,7 @@ def _are_next(fleet: Fleet, which: npt.NDArray[np.bool_]) -> bool:
         kept is not None
         and bool((kept.episodes[which] == fleet.episodes[which] + 1).all())
         and all(
-            all(one is other for one, other in zip(group.specified, held.specified, strict=True))
+            all(map(operator.is_, group.specified, held.specified))
             for group, held in zip(fleet.everything, kept.groups, strict=True)
         )
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import operator
 import pickle
 from collections.abc import Mapping
 from typing import Any
@@ -144,10 +145,10 @@ def put_back(fleet: Fleet, snapshot: Snapshot, which: Bools) -> None:
         kept = {pair for pair in getattr(fleet, name) if not which[of[pair[0]]]}
         setattr(fleet, name, frozenset(back | kept))
     for group, held in zip(fleet.everything, snapshot.groups, strict=True):
-        if isinstance(group, Group) and any(a is not b for a, b in zip(group.specified, held.specified, strict=True)):
+        if isinstance(group, Group) and not all(map(operator.is_, group.specified, held.specified)):
             group.specified = list(held.specified)
             group.set_parameters()
-        rows = which[fleet.world.replica_index[group.bodies]]
+        rows = np.flatnonzero(which[fleet.world.replica_index[group.bodies]])
         for unit, arrays in group.arrays().items():
             for name, array in arrays.items():
                 array[rows] = held.arrays[unit][name][rows]
