@@ -23,7 +23,7 @@ from amorsim.core.maps.map import Map
 from amorsim.core.parameters import describe
 from amorsim.core.shapes import Shape
 from amorsim.kernels.cache_folder import cache_folder, mark_warm
-from amorsim.kernels.sensing.readings import shares_of_range
+from amorsim.kernels.sensing.readings import range_and_bearing, shares_of_range
 from amorsim.planners.d_star_lite import DStarLite
 from amorsim.planners.hybrid_a_star import HybridAStar
 from amorsim.planners.wavefront import Wavefront
@@ -231,8 +231,9 @@ def _plan() -> None:
 
 
 def _observe() -> None:
-    """Make the ranges that tasks for learners observe, as the policy of `learned` does."""
+    """Make what a task for learners observes, as the policy of `learned` does: ranges, and the way to a goal."""
     shares_of_range(np.ones((1, 1)), np.ones((1, 1)), 0, np.empty((1, 1)))
+    range_and_bearing(np.zeros((1, 3)), np.ones((1, 2)), 1.0, np.empty((1, 3)))
 
 
 _OTHERS: Mapping[str, Callable[[], None]] = {"worlds": _make_worlds, "plan": _plan, "observe": _observe}
