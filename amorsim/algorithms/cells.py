@@ -10,6 +10,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools, Ints32
 from amorsim.core.errors import MapError, PlanError
 from amorsim.core.maps.cell_lines import placed
 from amorsim.core.maps.map import Map, Place
@@ -17,7 +18,6 @@ from amorsim.kernels.search.cell_clearance import squared_gaps
 
 __all__ = ["Cells", "free_cells", "gaps_to_walls", "place_of", "usual_side"]
 
-Array = npt.NDArray[np.float64]
 
 _MOST_CELLS = 50_000_000
 _MANY_CELLS = 4_000_000  # searched in a second or so
@@ -37,7 +37,7 @@ class Cells:
     """Cells in a row, with the border's two."""
     free: npt.NDArray[np.uint8]
     """(n,) 1 where the footprint may be."""
-    gaps: npt.NDArray[np.int32] | None
+    gaps: Ints32 | None
     """(rows, cols) squared gap [cells^2] to the nearest occupied cell, as far as the footprint reaches; -1 in one. None
     for a point."""
     occupied: npt.NDArray[np.uint8]
@@ -179,7 +179,7 @@ def check_map(world: Map) -> None:
         raise PlanError(f"world is a {type(world).__name__}; expected a Map, as am.Map.from_array makes of an array")
 
 
-def gaps_to_walls(cells: Cells) -> npt.NDArray[np.int32]:
+def gaps_to_walls(cells: Cells) -> Ints32:
     """Squared gap (n,) [cells^2] between each cell and the nearest occupied one, however far; -1 in one."""
     shape = (cells.rows, cells.cols)
     free = np.ascontiguousarray(1 - cells.occupied.reshape(-1, cells.width)[1:-1, 1:-1])
@@ -188,7 +188,7 @@ def gaps_to_walls(cells: Cells) -> npt.NDArray[np.int32]:
     return np.pad(found, 1, constant_values=-1).reshape(-1)
 
 
-def _flat(free: npt.NDArray[np.bool_]) -> npt.NDArray[np.uint8]:
+def _flat(free: Bools) -> npt.NDArray[np.uint8]:
     return np.ascontiguousarray(np.pad(free, 1)).view(np.uint8).reshape(-1)
 
 

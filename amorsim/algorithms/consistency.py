@@ -12,15 +12,13 @@ import math
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.core.arguments import is_numeric, real, whole
 from amorsim.core.error_text import in_words
 from amorsim.core.parameters import LARGEST, ParameterError
 
 __all__ = ["Consistency", "chi_squared_band", "nees", "nis", "verdict"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True)

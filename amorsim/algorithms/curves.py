@@ -7,16 +7,15 @@ from collections.abc import Callable, Sequence
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.algorithms.cells import place_of
+from amorsim.arrays import Array
 from amorsim.core.arguments import is_real
 from amorsim.core.errors import PlanError
 from amorsim.kernels.search.curves import MOST_WORDS, dubins_words, reeds_shepp_words, trace_word
 
 __all__ = ["Curve", "all_curves", "dubins", "reeds_shepp"]
 
-Array = npt.NDArray[np.float64]
 Words = Callable[[float, float, float, Array], int]
 Pose = tuple[float, float, float]
 

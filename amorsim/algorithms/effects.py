@@ -6,14 +6,12 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.core.arguments import numbers
 from amorsim.core.parameters import ParameterError
 
 __all__ = ["holm", "paired_effect"]
-
-Array = npt.NDArray[np.float64]
 
 
 def paired_effect(differences: Array) -> float:

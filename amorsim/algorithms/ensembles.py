@@ -9,12 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.algorithms.intervals import mean_interval
+from amorsim.arrays import Array, Ints
 from amorsim.core.arguments import numbers, real
 from amorsim.core.parameters import ParameterError
 
 __all__ = ["Ensemble", "ensemble"]
-
-Array = npt.NDArray[np.float64]
 
 
 class Ensemble(NamedTuple):
@@ -34,7 +33,7 @@ class Ensemble(NamedTuple):
         The mean of the middle half, which a few replicas that went astray do not move.
     """
 
-    counts: npt.NDArray[np.int64]
+    counts: Ints
     mean: Array
     low: Array
     high: Array

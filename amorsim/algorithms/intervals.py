@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.core.arguments import numbers, real
 from amorsim.core.error_text import in_words
 from amorsim.core.parameters import ParameterError
@@ -89,7 +90,7 @@ def mean_interval(samples: npt.ArrayLike, confidence: float = 0.95) -> Interval:
     return Interval(mean, low, high, 2.0 * float(stdtr(count - 1, -beyond)))
 
 
-def _skewness(samples: npt.NDArray[np.float64], mean: float, spread: float) -> float:
+def _skewness(samples: Array, mean: float, spread: float) -> float:
     """The skewness of samples, as their own third moment gives it."""
     third = float(np.mean(((samples - mean) / spread) ** 3))
     return third * math.sqrt(len(samples) / (len(samples) - 1)) ** 3

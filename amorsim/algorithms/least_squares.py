@@ -6,11 +6,11 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
+
+from amorsim.arrays import Array
 
 __all__ = ["Fit", "gauss_newton", "linear_fit"]
 
-Array = npt.NDArray[np.float64]
 
 _STEP = 1e-5  # of the central differences, for unknowns of about 1: their error is of its square
 _MOST_STEPS = 50

@@ -9,12 +9,11 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools
 from amorsim.core.arguments import numbers, real
 from amorsim.core.parameters import ParameterError
 
 __all__ = ["MapScores", "area_under_curve", "distances_to_walls", "map_scores"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True)
@@ -125,7 +124,7 @@ def map_scores(
     )
 
 
-def area_under_curve(scores: Array, positive: npt.NDArray[np.bool_]) -> float:
+def area_under_curve(scores: Array, positive: Bools) -> float:
     """The area under the receiver's curve (AUC): equal scores count half; nan if all cells are of one kind."""
     positives = int(np.count_nonzero(positive))
     negatives = len(scores) - positives
@@ -156,7 +155,7 @@ def distances_to_walls(points: Array, walls: Array) -> Array:
     return nearest
 
 
-def _distances(cells: npt.NDArray[np.bool_], to: npt.NDArray[np.bool_], resolution: float) -> Array:
+def _distances(cells: Bools, to: Bools, resolution: float) -> Array:
     """From the middle of each of some cells to the nearest middle of others [m]; inf if there are none."""
     if not to.any():
         return np.full(int(np.count_nonzero(cells)), np.inf)

@@ -6,16 +6,15 @@ import math
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 from numpy.typing import ArrayLike
 
+from amorsim.arrays import Array
 from amorsim.core.arguments import is_real
 from amorsim.core.errors import PlanError
 from amorsim.kernels import elementary
 
 __all__ = ["Pieces", "SpeedProfile", "pieces_of", "speed_profile"]
 
-Array = npt.NDArray[np.float64]
 
 _SAME = 1e-4  # [rad] by which the middle of an arc may point off its chord
 _LEAST = 1e-9  # [m] a shorter piece is none

@@ -10,8 +10,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Ints
 from amorsim.core.arguments import numbers
 
 __all__ = [
@@ -28,9 +28,6 @@ __all__ = [
     "relative_errors",
     "umeyama",
 ]
-
-Array = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 
 class Transform(NamedTuple):

@@ -18,10 +18,10 @@ from typing import NamedTuple
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.algorithms.intervals import Interval, welch_half_width
 from amorsim.algorithms.least_squares import gauss_newton
+from amorsim.arrays import Array
 
 __all__ = [
     "ExactFit",
@@ -32,8 +32,6 @@ __all__ = [
     "published_figures",
     "systematic_error",
 ]
-
-Array = npt.NDArray[np.float64]
 
 
 class WheelGeometry(NamedTuple):

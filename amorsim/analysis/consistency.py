@@ -6,16 +6,14 @@ import os
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.algorithms.consistency import Consistency, nees, verdict
 from amorsim.analysis.measuring import episode_of
 from amorsim.analysis.run_files import RunFiles
+from amorsim.arrays import Array
 from amorsim.core.poses import wrap_angle
 
 __all__ = ["OverTime", "run_nees", "run_nis"]
-
-Array = npt.NDArray[np.float64]
 
 
 class OverTime(NamedTuple):

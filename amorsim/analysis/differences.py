@@ -12,16 +12,14 @@ from pathlib import Path
 from typing import Any
 
 import attrs
-import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.core.display import in_notebook
 from amorsim.core.files.atomic_files import write_text
 from amorsim.render.words import significant, with_interval
 
 __all__ = ["ABOUT", "Comparison", "Difference", "Summary", "metric_of_estimator", "p_in_words"]
 
-Array = npt.NDArray[np.float64]
 
 ABOUT = "comparison.json"
 

@@ -8,10 +8,10 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.analysis.own_columns import own_channels
 from amorsim.analysis.run_files import RunFiles
+from amorsim.arrays import AnyArray, Array
 from amorsim.contracts import Episode, Metric
 from amorsim.core.arguments import check_kind
 from amorsim.core.errors import AnalysisError
@@ -25,7 +25,6 @@ from amorsim.worlds.drawn import map_of, origin_of
 
 __all__ = ["episode_of", "measure"]
 
-Array = npt.NDArray[np.float64]
 
 _OF_POSES = ("true_pose", "estimated_pose")
 
@@ -59,7 +58,7 @@ def episode_of(files: RunFiles, needs: Sequence[str], *, robot: str | None = Non
     robot = files.robots[0] if robot is None else robot
     poses = files.arrays("poses", robot=robot)
     specified = next(each for each in files.scenario.robots if each.name == robot)
-    kept: dict[str, npt.NDArray[Any]] = {}
+    kept: dict[str, AnyArray] = {}
     for name in needs:
         whole = name.removeprefix(LAST)
         array = np.array(poses[whole] if whole in _OF_POSES else _read(files, whole, specified))
@@ -97,7 +96,7 @@ class _Worlds(Sequence[Map]):
         return map_of(self._files.scenario.map, self._files.replicas[row])
 
 
-def _read(files: RunFiles, name: str, specified: Robot) -> npt.NDArray[Any]:
+def _read(files: RunFiles, name: str, specified: Robot) -> AnyArray:
     robot = specified.name
     kind, _, rest = name.partition(".")
     whose, _, what = rest.partition(".")

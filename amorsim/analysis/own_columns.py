@@ -5,17 +5,15 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.analysis.run_files import RunFiles, Table
+from amorsim.arrays import Array
 from amorsim.core.errors import RunError
 from amorsim.core.unknown_names import no_such
 from amorsim.scenario.spec import Robot
 from amorsim.simulation.fleet.alike import channels_of, reading_size
 
 __all__ = ["own_channels", "own_commands", "own_readings"]
-
-Array = npt.NDArray[np.float64]
 
 
 def own_channels(files: RunFiles, robot: str, columns: Collection[str]) -> tuple[str, ...]:

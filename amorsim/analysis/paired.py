@@ -8,16 +8,15 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.algorithms.effects import holm, paired_effect
 from amorsim.algorithms.intervals import mean_interval, welch_half_width
 from amorsim.analysis.differences import Comparison, Difference, Summary
+from amorsim.arrays import Array
 from amorsim.core.errors import AnalysisError
 
 __all__ = ["Key", "by_draws", "paired"]
 
-Array = npt.NDArray[np.float64]
 Key = tuple[Any, ...]
 
 LEVEL = 0.05

@@ -24,6 +24,7 @@ from amorsim.algorithms.trajectories import (
     umeyama,
 )
 from amorsim.analysis.trajectory import Trajectory
+from amorsim.arrays import Array
 from amorsim.core.arguments import check_kind, check_text, checked, numbers, real
 from amorsim.core.error_text import in_words
 from amorsim.core.errors import AnalysisError
@@ -31,7 +32,6 @@ from amorsim.core.parameters import ParameterError
 
 __all__ = ["PoseErrors", "Statistics", "ape", "relation_errors", "rpe"]
 
-Array = npt.NDArray[np.float64]
 
 _ALIGN = ("none", "first", "umeyama", "umeyama_scale")
 _A_TRAJECTORY = "a Trajectory, as am.analysis.read_tum('true.tum')"

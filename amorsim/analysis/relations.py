@@ -10,13 +10,13 @@ import zlib
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.core.arguments import numbers, path_of
 from amorsim.core.errors import AnalysisError
 from amorsim.core.parameters import LARGEST, ParameterError
 
 __all__ = ["clock_offset", "read_relations"]
 
-Array = npt.NDArray[np.float64]
 
 _SAME = 0.01  # [s] in which two times are of one scan: logs and relations are rounded differently
 _MOST_MOMENTS = 1000  # of relations that are compared

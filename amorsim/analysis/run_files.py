@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import AnyArray, Ints
 from amorsim.core.arguments import checked, path_of
 from amorsim.core.errors import RunError
 from amorsim.core.unknown_names import no_such
@@ -20,8 +20,7 @@ from amorsim.scenario.spec import Scenario
 
 __all__ = ["RunFiles", "Table", "belief_arrays"]
 
-Table = Mapping[str, npt.NDArray[Any]]
-Ints = npt.NDArray[np.int64]
+Table = Mapping[str, AnyArray]
 
 _POSE = ("x", "y", "heading")
 _TWIST = ("forward", "left", "turn")
@@ -196,7 +195,7 @@ class RunFiles:
             self._columns[name] = read_columns(self._path(name), name, with_replicas=len(self.replicas) > 1)
         return self._columns[name]
 
-    def _column(self, name: str, columns: Table, key: str) -> npt.NDArray[Any]:
+    def _column(self, name: str, columns: Table, key: str) -> AnyArray:
         if key not in columns:
             raise RunError(f"{self._path(name)}, line 1: {no_such('column', key, columns)}")
         return columns[key]
@@ -252,7 +251,7 @@ class RunFiles:
         of = f" in replica {self.replicas[replica]}" if len(self.replicas) > 1 else ""
         return f"{robots[robot]!r}{of}"
 
-    def _times(self, name: str, columns: Table, lines: Ints) -> npt.NDArray[Any]:
+    def _times(self, name: str, columns: Table, lines: Ints) -> AnyArray:
         """The time of each step `(S,)`, shared by all rows."""
         there = lines >= 0
         first = lines[np.arange(len(lines)), np.argmax(there, axis=1)] if len(lines) else lines[:, 0]
@@ -267,7 +266,7 @@ class RunFiles:
         return times
 
 
-def belief_arrays(columns: Table, lines: Ints) -> dict[str, npt.NDArray[Any]]:
+def belief_arrays(columns: Table, lines: Ints) -> dict[str, AnyArray]:
     """Beliefs `(S, N, ...)` by name, from the lines `(S, N)`; columns such as ``innovation_0_1`` make one array."""
     places: dict[str, list[tuple[int, ...]]] = {}
     for key in columns:
@@ -285,7 +284,7 @@ def belief_arrays(columns: Table, lines: Ints) -> dict[str, npt.NDArray[Any]]:
     return found
 
 
-def _laid_out(columns: Table, lines: Ints, keys: Any) -> npt.NDArray[Any]:
+def _laid_out(columns: Table, lines: Ints, keys: Any) -> AnyArray:
     """Columns as an array `(S, N, keys)`; nan where there is no line."""
     found = np.empty((*lines.shape, len(keys)))
     missing = lines < 0

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.analysis.run_files import RunFiles
+from amorsim.arrays import Array
 from amorsim.core.arguments import check_kind, checked, path_of
 from amorsim.core.errors import AnalysisError, RunError
 from amorsim.core.files.atomic_files import write_text
@@ -31,7 +31,6 @@ __all__ = [
     "yaw",
 ]
 
-Array = npt.NDArray[np.float64]
 
 _CSV = ("time", "x", "y", "heading")
 _ROUNDED = 1e-3  # what rounding to a few digits may do to the length of a quaternion; it is read as it is written

@@ -10,10 +10,9 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import attrs
-import numpy as np
-import numpy.typing as npt
 
-from amorsim.contracts.values import Aim, Array, Estimate, Measurement, State
+from amorsim.arrays import Array, Ints
+from amorsim.contracts.values import Aim, Estimate, Measurement, State
 from amorsim.contracts.view import View
 from amorsim.core.draws import Draws
 
@@ -32,7 +31,7 @@ class SensorBinding:
     rows: int
     dt: float
     """The step [s]."""
-    tick: npt.NDArray[np.int64]
+    tick: Ints
     """(N, 1)"""
     pose: Array
     """True pose of the mount in the world (N, 3)."""
@@ -91,7 +90,7 @@ class ControllerBinding:
     copied_readings: Mapping[str, Measurement]
     """The same in copies, each made when it is looked up."""
     estimate: Estimate
-    tick: npt.NDArray[np.int64]
+    tick: Ints
     """(N, 1)"""
     time: Array
     """(N, 1) [s]"""

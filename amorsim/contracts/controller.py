@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from amorsim.arrays import Array
 from amorsim.contracts.binding import ControllerBinding, simple_form_first
 from amorsim.contracts.robot import Component, RobotModel
-from amorsim.contracts.values import Array, Beliefs, Clock, Estimate, Measurement, State
+from amorsim.contracts.values import Beliefs, Clock, Estimate, Measurement, State
 from amorsim.core.draws import Draws
 
 __all__ = ["Controller", "command_bound"]

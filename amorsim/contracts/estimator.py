@@ -7,11 +7,11 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools
 from amorsim.contracts.binding import EstimatorBinding, simple_form_first
 from amorsim.contracts.robot import Component, RobotModel
-from amorsim.contracts.values import Array, Beliefs, Estimate, Measurement, State
+from amorsim.contracts.values import Beliefs, Estimate, Measurement, State
 from amorsim.core.draws import Draws
 
 __all__ = ["ESTIMATES", "Estimator", "update_bound"]
@@ -56,7 +56,7 @@ class Estimator(Component, abc.ABC):
         covariance row by row. It is `fresh` where it is current.
         """
 
-    def is_current(self, readings: Mapping[str, Measurement], state: State) -> npt.NDArray[np.bool_] | None:
+    def is_current(self, readings: Mapping[str, Measurement], state: State) -> Bools | None:
         """Where the last estimate is of its step `(N, 1)`, or None: everywhere.
 
         It is not where the wheels have turned and their reading was lost: the next one shows how far. By default it is
@@ -75,7 +75,7 @@ class Estimator(Component, abc.ABC):
         """
         return {}
 
-    def failed(self, state: State) -> npt.NDArray[np.bool_] | None:
+    def failed(self, state: State) -> Bools | None:
         """Rows `(N,)` whose numbers exploded in the last update, which it continues from an earlier state; or None.
 
         Each is an event ``"estimator_failed"``. A field ``on_failure`` of the value ``"end"`` ends the robot's

@@ -6,14 +6,12 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts.robot import Joint, RobotModel
 from amorsim.contracts.values import Measurement
 
 __all__ = ["at_rest", "joints_of"]
-
-Array = npt.NDArray[np.float64]
 
 
 def at_rest(robot: RobotModel) -> Array:

@@ -8,10 +8,9 @@ from typing import Any, ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import AnyArray, Array
 from amorsim.contracts.robot import Part
-from amorsim.contracts.values import Array
 from amorsim.core.maps.map import Map
 from amorsim.core.shapes import Shape
 
@@ -28,7 +27,7 @@ class Episode:
     """The replicas' numbers, in the order of the rows."""
     time: Array
     """(S,) [s], of the start and of each step."""
-    kept: Mapping[str, npt.NDArray[Any]]
+    kept: Mapping[str, AnyArray]
     """The quantities that the metric lists in `needs`, by name: (S, R, ...), a row for each replica."""
     events: Sequence[Any]
     """Events (`am.Event`) of the robot, of all these replicas, in order."""

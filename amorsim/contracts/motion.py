@@ -5,8 +5,9 @@ from __future__ import annotations
 import abc
 from collections.abc import Sequence
 
+from amorsim.arrays import Array
 from amorsim.contracts.robot import Component
-from amorsim.contracts.values import Array, State
+from amorsim.contracts.values import State
 from amorsim.contracts.view import View
 from amorsim.core.draws import Draws
 

@@ -7,8 +7,9 @@ from typing import ClassVar
 
 import numpy as np
 
+from amorsim.arrays import Array
 from amorsim.contracts.robot import Component
-from amorsim.contracts.values import Aim, Array, State
+from amorsim.contracts.values import Aim, State
 from amorsim.core.draws import Draws
 from amorsim.core.noise_steps import NoiseProgram, NoiseStep
 

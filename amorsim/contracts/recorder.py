@@ -10,10 +10,10 @@ from typing import Any, NamedTuple, cast
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Ints
 from amorsim.contracts.robot import RobotModel
-from amorsim.contracts.values import Array, Beliefs, BeliefsByName, Estimate, Measurement
+from amorsim.contracts.values import Beliefs, BeliefsByName, Estimate, Measurement
 from amorsim.core.display import in_notebook
 
 __all__ = ["Frame", "ObstacleFrame", "Recorder", "RunInfo"]
@@ -23,8 +23,8 @@ class Frame(NamedTuple):
     """One step of one group of robots for recorders, truth included. Do not change the arrays."""
 
     names: Sequence[str]  # of each row
-    replica: npt.NDArray[np.int64]  # (N,)
-    tick: npt.NDArray[np.int64]  # (N,)
+    replica: Ints  # (N,)
+    tick: Ints  # (N,)
     time: Array  # (N,) [s]
     true_pose: Array  # (N, 3)
     true_twist: Array  # (N, 3) mean over the step, in the body's frame
@@ -54,8 +54,8 @@ class ObstacleFrame(NamedTuple):
     """One step of one group of obstacles for recorders. Do not change the arrays."""
 
     names: Sequence[str]  # of each row
-    replica: npt.NDArray[np.int64]  # (N,)
-    tick: npt.NDArray[np.int64]  # (N,)
+    replica: Ints  # (N,)
+    tick: Ints  # (N,)
     time: Array  # (N,) [s]
     true_pose: Array  # (N, 3)
     true_twist: Array  # (N, 3) mean over the step, in the body's frame

@@ -8,10 +8,10 @@ from typing import Any, ClassVar, NamedTuple
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Ints
 from amorsim.contracts.binding import DriveBinding, SensorBinding, simple_form_first
-from amorsim.contracts.values import Aim, Array, Beliefs, State
+from amorsim.contracts.values import Aim, Beliefs, State
 from amorsim.contracts.view import Emission, View
 from amorsim.core.draws import Draws
 from amorsim.core.maps.map import Map
@@ -272,7 +272,7 @@ class RobotModel:
     channels: tuple[str, ...]  # of a command: the drive's, then "<sensor>.<channel>" of each device that takes commands
     map: Map | None = None  # `knowledge.map` of the scenario, if all rows know the same; see `map_of`
     landmarks: Array | None = None  # (L, 2) [m], `knowledge.landmarks` of the scenario
-    landmark_ids: npt.NDArray[np.int64] | None = None  # (L,) their ids, 0 for a landmark without one
+    landmark_ids: Ints | None = None  # (L,) their ids, 0 for a landmark without one
     names: Sequence[str] = ()  # the rows' robots, for messages
     maps: Sequence[Map | None] = ()  # (N,) what each row knows, if replicas have different maps; else empty
     beliefs: Mapping[str, Beliefs] = attrs.field(factory=dict, eq=False)

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 
-import numpy as np
-import numpy.typing as npt
+from amorsim.arrays import Array
 
 __all__ = ["Side"]
-
-Array = npt.NDArray[np.float64]
 
 
 class Side(Mapping[str, Array]):

@@ -8,17 +8,15 @@ from typing import NamedTuple
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools
 from amorsim.contracts.robot import RobotModel
-from amorsim.contracts.values import Array, Estimate, Measurement, State
+from amorsim.contracts.values import Estimate, Measurement, State
 from amorsim.core.draws import Draws
 from amorsim.core.maps.map import Map
 from amorsim.core.parameters import parameter
 
 __all__ = ["Observable", "StepOutcome", "Task", "TrueState"]
-
-Bools = npt.NDArray[np.bool_]
 
 
 class Observable(NamedTuple):

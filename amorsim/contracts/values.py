@@ -4,30 +4,28 @@ from __future__ import annotations
 
 import abc
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import numpy as np
-import numpy.typing as npt
+from amorsim.arrays import AnyArray, Array, Bools, Ints
 
-__all__ = ["Aim", "Array", "Beliefs", "BeliefsByName", "Clock", "Estimate", "LazyBeliefs", "Measurement", "State"]
+__all__ = ["Aim", "Beliefs", "BeliefsByName", "Clock", "Estimate", "LazyBeliefs", "Measurement", "State"]
 
 
-Array = npt.NDArray[np.float64]
-State = dict[str, npt.NDArray[Any]]
-Beliefs = Mapping[str, npt.NDArray[Any]]
+State = dict[str, AnyArray]
+Beliefs = Mapping[str, AnyArray]
 """An estimator's beliefs besides the pose: arrays by name, first axis the row; nan where there is nothing."""
 
 
-class LazyBeliefs(Mapping[str, npt.NDArray[Any]]):
+class LazyBeliefs(Mapping[str, AnyArray]):
     """Beliefs some of which are functions that compute an array when it is looked up: for large ones, rarely needed.
 
     Only for the step in which it was made: the functions may read the state as it is then.
     """
 
-    def __init__(self, arrays: Mapping[str, npt.NDArray[Any] | Callable[[], npt.NDArray[Any]]]) -> None:
+    def __init__(self, arrays: Mapping[str, AnyArray | Callable[[], AnyArray]]) -> None:
         self._arrays = arrays
 
-    def __getitem__(self, name: str) -> npt.NDArray[Any]:
+    def __getitem__(self, name: str) -> AnyArray:
         found = self._arrays[name]
         return found() if callable(found) else found
 
@@ -52,7 +50,7 @@ class BeliefsByName(Mapping[str, Beliefs]):
 class Clock(NamedTuple):
     """The time of each row: `tick` (N, 1), `time` (N, 1) [s], and the step `dt` [s]."""
 
-    tick: npt.NDArray[np.int64]
+    tick: Ints
     time: Array
     dt: float
 
@@ -61,9 +59,9 @@ class Measurement(NamedTuple):
     """A reading as the robot receives it: the measured values `(N, k)`, their tick and age, and if they are new."""
 
     measured: Array
-    stamp: npt.NDArray[np.int64]  # (N, 1), the tick of the values; -1 before the first arrive
+    stamp: Ints  # (N, 1), the tick of the values; -1 before the first arrive
     age: Array  # (N, 1) [s], since that tick
-    fresh: npt.NDArray[np.bool_]  # (N, 1), whether they arrived in this step
+    fresh: Bools  # (N, 1), whether they arrived in this step
 
 
 class Estimate(NamedTuple):

@@ -6,9 +6,8 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple, Protocol
 
 import numpy as np
-import numpy.typing as npt
 
-from amorsim.contracts.values import Array
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.core.shapes import Shape
 
 __all__ = [
@@ -36,7 +35,7 @@ class Emission(NamedTuple):
 
     poses: Array  # (N, e, 3) pose of each emitter in the world; its cone points along the heading
     half_angle: Array  # (N, e) [rad] of its cone
-    fired: npt.NDArray[np.bool_]  # (N, e) whether it fires at this tick
+    fired: Bools  # (N, e) whether it fires at this tick
     time: Array | None = None  # (N, e) [s] when it fires, relative to the tick; None: all at the tick
 
 
@@ -45,10 +44,10 @@ class Emissions(NamedTuple):
 
     poses: Array  # (N, e, 3) pose of each emitter in the world; its cone points along the heading
     half_angle: Array  # (N, e) [rad] of its cone
-    fired: npt.NDArray[np.bool_]  # (N, e) whether it fires at this tick
-    own: npt.NDArray[np.bool_]  # (N, e) whether it belongs to the row's own sensor, in the order of its `emit`
+    fired: Bools  # (N, e) whether it fires at this tick
+    own: Bools  # (N, e) whether it belongs to the row's own sensor, in the order of its `emit`
     time: Array  # (N, e) [s] when it fires, relative to the tick
-    body: npt.NDArray[np.int64]  # (N, e) the body that carries it, an index into `View.bodies`
+    body: Ints  # (N, e) the body that carries it, an index into `View.bodies`
 
 
 class BodyStates(NamedTuple):
@@ -57,9 +56,9 @@ class BodyStates(NamedTuple):
     poses: Array  # (N, B, 3) true, in the world
     twists: Array  # (N, B, 3) [m/s, m/s, rad/s] over the last step, in each body's frame
     reach: Array  # (B,) [m] from a body's base point to the farthest point of its footprint
-    own: npt.NDArray[np.int64]  # (N,) the index of the row's own body
-    is_robot: npt.NDArray[np.bool_]  # (B,) a robot or a part of one; the others are obstacles
-    owner: npt.NDArray[np.int64]  # (B,) the robot's body that a part belongs to; of all others, the body itself
+    own: Ints  # (N,) the index of the row's own body
+    is_robot: Bools  # (B,) a robot or a part of one; the others are obstacles
+    owner: Ints  # (B,) the robot's body that a part belongs to; of all others, the body itself
 
 
 class Neighbours(NamedTuple):
@@ -69,17 +68,17 @@ class Neighbours(NamedTuple):
     each row, use ``np.add.at(total, near.row, values)``: it adds in this order for any number of rows.
     """
 
-    own: npt.NDArray[np.int64]  # (N,) the row's own body
-    first: npt.NDArray[np.int64]  # (N + 1,) row n's neighbours are first[n]:first[n + 1] of the K
-    body: npt.NDArray[np.int64]  # (K,) the neighbour's body
+    own: Ints  # (N,) the row's own body
+    first: Ints  # (N + 1,) row n's neighbours are first[n]:first[n + 1] of the K
+    body: Ints  # (K,) the neighbour's body
     poses: Array  # (T, 3) true, in the world
     twists: Array  # (T, 3) [m/s, m/s, rad/s] over the last step, in each body's frame
     reach: Array  # (T,) [m] from a body's base point to the farthest point of its footprint
-    is_robot: npt.NDArray[np.bool_]  # (T,) a robot or a part of one; the others are obstacles
-    owner: npt.NDArray[np.int64]  # (T,) the robot's body that a part belongs to; of all others, the body itself
+    is_robot: Bools  # (T,) a robot or a part of one; the others are obstacles
+    owner: Ints  # (T,) the robot's body that a part belongs to; of all others, the body itself
 
     @property
-    def row(self) -> npt.NDArray[np.int64]:
+    def row(self) -> Ints:
         """The row of each neighbour `(K,)`."""
         return np.repeat(np.arange(len(self.own)), np.diff(self.first))
 
@@ -103,7 +102,7 @@ class Sightings(NamedTuple):
 
     range: Array  # (N, m) [m] to the mark's place, inf where the slot is empty
     bearing: Array  # (N, m) [rad] from the heading of the sensor's mount, in [-pi, pi]; inf where empty
-    id: npt.NDArray[np.int64]  # (N, m) the mark's id, 1 and up; -1 where empty
+    id: Ints  # (N, m) the mark's id, 1 and up; -1 where empty
 
 
 class View(Protocol):
@@ -111,7 +110,7 @@ class View(Protocol):
 
     rows: int
     dt: float
-    tick: npt.NDArray[np.int64]  # (N, 1)
+    tick: Ints  # (N, 1)
     body_pose: Array  # (N, 3) true pose of the robot's base
     twist: Array  # (N, 3) [m/s, m/s, rad/s] mean true velocity over the last step, in the body's frame
     joints: Array  # (N, j) true positions of the drive's joints
@@ -141,7 +140,7 @@ class View(Protocol):
         range_max: Array,
         traversal: str = "exact",
         bodies: bool = True,
-        row: npt.NDArray[np.int64] | None = None,
+        row: Ints | None = None,
     ) -> Array:
         """Distances [m] `(M, k)` to the nearest wall or other body along beams from `origins` `(M, 3)`, inf for none.
 
@@ -170,7 +169,7 @@ class View(Protocol):
         out: Array,
         traversal: str = "exact",
         bodies: bool = True,
-        row: npt.NDArray[np.int64] | None = None,
+        row: Ints | None = None,
     ) -> Callable[[], None]:
         """A function that writes what `cast` returns into `out` `(M, k)`, each time it is called; for `Sensor.bind`.
 
@@ -259,8 +258,8 @@ class View(Protocol):
         bearings: Array,
         range_max: Array,
         landmarks: bool = True,
-        row: npt.NDArray[np.int64] | None = None,
-    ) -> tuple[Array, npt.NDArray[np.int64]]:
+        row: Ints | None = None,
+    ) -> tuple[Array, Ints]:
         """Distances [m] `(M, k)` as from `cast`, and the thing that each beam hits first: -1 for a wall or nothing.
 
         `range_max` and `row` are as in `cast`. Things are the bodies of the replica, in order, then those landmarks
@@ -273,7 +272,7 @@ class View(Protocol):
         bearings: Array,
         limits: Array,
         out: Array,
-        thing: npt.NDArray[np.int64],
+        thing: Ints,
         nearest: Array | None = None,
     ) -> Callable[[], None]:
         """A function that writes what `look` returns without landmarks into `out` and `thing` `(M, k)`.
@@ -287,15 +286,15 @@ class View(Protocol):
         self,
         origins: Array,
         bearings: Array,
-        bodies: npt.NDArray[np.int64],
-        row: npt.NDArray[np.int64] | None = None,
+        bodies: Ints,
+        row: Ints | None = None,
     ) -> Array:
         """Directions [rad] `(M, k)` in the world of the outward normals where beams enter bodies; nan elsewhere.
 
         `bodies` `(M, k)` comes from `look` for the same beams, without landmarks; `row` is as there.
         """
 
-    def touches(self, zones: Sequence[Shape], which: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
+    def touches(self, zones: Sequence[Shape], which: Ints) -> Bools:
         """Whether zones of the rows' bodies, in the bodies' frames, overlap a wall or another body `(N, s)`.
 
         `which` `(N, s)` holds indices into `zones`.

@@ -7,8 +7,8 @@ from typing import Any
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools
 from amorsim.contracts import Estimate, Measurement, RobotModel, State
 from amorsim.contracts.joints import at_rest, joints_of
 from amorsim.core.errors import ComponentError
@@ -24,9 +24,6 @@ __all__ = [
     "needs_turning_in_place",
     "twist_limits",
 ]
-
-Array = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
 
 
 def heading_poses(robot: RobotModel, poses: Array, joints: Array) -> Array:

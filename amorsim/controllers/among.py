@@ -9,8 +9,8 @@ from typing import Any, ClassVar, NamedTuple
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools
 from amorsim.contracts import Beliefs, Clock, Context, Draws, Measurement, RobotModel, State, parameter
 from amorsim.controllers.abilities import Course
 from amorsim.controllers.avoider import Avoider, start_moving
@@ -25,8 +25,6 @@ from amorsim.kernels.behaviours.social_force import Passers, Walls, social_force
 
 __all__ = ["Among", "Hrvo", "HumanLike", "Orca", "SocialForce"]
 
-Array = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
 
 _WORK = 60  # cost of one decision for a robot, in rays
 

@@ -8,8 +8,8 @@ from typing import Any, ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools
 from amorsim.contracts import (
     Clock,
     Context,
@@ -32,8 +32,6 @@ from amorsim.kernels.behaviours.free_space import Sight
 
 __all__ = ["Avoider", "body_of", "guarded", "sight_of", "start_moving", "start_sight"]
 
-Array = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
 
 _ARC_SAMPLES = 7  # points that stand for the arc on which a cone's return lies
 _PROGRESS = 0.1  # [m] nearer to the goal counts as progress

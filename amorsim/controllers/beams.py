@@ -5,16 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Mount, RobotModel, SensorModel
 from amorsim.core.errors import ComponentError, did_you_mean
 from amorsim.core.poses import compose
 from amorsim.kernels.kinematics import poses
 
 __all__ = ["beams_of", "range_sensor", "turned_beams", "with_directions"]
-
-Array = npt.NDArray[np.float64]
 
 
 def range_sensor(robot: RobotModel, name: str, who: str) -> SensorModel:

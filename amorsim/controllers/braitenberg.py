@@ -7,8 +7,8 @@ from typing import Any
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import (
     Clock,
     Context,
@@ -26,7 +26,6 @@ from amorsim.core.errors import ComponentError, did_you_mean
 
 __all__ = ["Braitenberg"]
 
-Array = npt.NDArray[np.float64]
 
 # The Khepera's ring, from the left round the front to the right, and the two behind. Things on the left drive the left
 # wheel and brake the right one; things straight ahead turn the robot to the right, or it would stop before a wall.

@@ -7,15 +7,14 @@ from typing import Any, ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Beliefs, Context, Draws, State, parameter
 from amorsim.controllers.headed import Headed
 from amorsim.kernels.avoidance.bugs import BUG_COLUMNS, bug2, nearness, tangent_bug
 
 __all__ = ["Bug2", "NearnessDiagram", "TangentBug"]
 
-Array = npt.NDArray[np.float64]
 
 _SECTORS = 180
 

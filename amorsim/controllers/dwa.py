@@ -7,8 +7,8 @@ from typing import Any
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools
 from amorsim.contracts import Beliefs, Clock, Context, Draws, Measurement, RobotModel, State, parameter
 from amorsim.controllers.abilities import Course
 from amorsim.controllers.avoider import Avoider, body_of, sight_of
@@ -17,8 +17,6 @@ from amorsim.kernels.avoidance.guide import Guide
 
 __all__ = ["Dwa"]
 
-Array = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
 
 _WORK = 600  # cost of one decision for a robot, in rays
 _LOOK = 40  # the same for a look round

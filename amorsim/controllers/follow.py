@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import (
     Clock,
     Context,
@@ -27,7 +27,6 @@ from amorsim.kernels.kinematics.poses import directions
 
 __all__ = ["Follow"]
 
-Array = npt.NDArray[np.float64]
 
 _PLACES = 256  # of the leader's trail that it remembers
 _SPACING = 0.05  # [m] between them

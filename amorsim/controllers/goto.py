@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import (
     Clock,
     Context,
@@ -23,7 +23,6 @@ from amorsim.controllers.abilities import Course, abilities, needs_turning_in_pl
 
 __all__ = ["GoTo"]
 
-Array = npt.NDArray[np.float64]
 
 _TURN_FIRST = 0.2  # [rad] a larger error of the bearing is corrected in place
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools
 from amorsim.contracts import Beliefs, Clock, Context, Draws, Measurement, RobotModel, State, parameter
 from amorsim.controllers.abilities import Course
 from amorsim.controllers.avoider import Avoider, body_of, guarded, sight_of
@@ -20,8 +20,6 @@ from amorsim.kernels.avoidance.steering import aims, bearing_twists, points_seen
 
 __all__ = ["Headed", "PotentialField", "VfhPlus"]
 
-Array = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
 
 _WORK = 40  # cost of one decision for a robot, in rays
 

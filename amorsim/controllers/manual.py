@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import (
     Clock,
     Context,
@@ -23,8 +23,6 @@ from amorsim.contracts import (
 )
 
 __all__ = ["Manual", "limited"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True)

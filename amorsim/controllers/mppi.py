@@ -8,8 +8,8 @@ from typing import Any
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools
 from amorsim.contracts import Beliefs, Clock, Context, Draws, Measurement, RobotModel, State, parameter
 from amorsim.controllers.abilities import Course
 from amorsim.controllers.avoider import Avoider, body_of, guarded, sight_of
@@ -20,8 +20,6 @@ from amorsim.kernels.avoidance.sampling import Costs, Field, roll_out
 
 __all__ = ["Mppi"]
 
-Array = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
 
 _DISCS = 3  # that hold a footprint
 _SHOWN = 24  # runs among its beliefs

@@ -7,8 +7,8 @@ from typing import Any
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools
 from amorsim.contracts import (
     Beliefs,
     Clock,
@@ -33,8 +33,6 @@ from amorsim.kernels.avoidance.seen_window import Window, guard, look_along, rem
 
 __all__ = ["Navigate"]
 
-Array = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
 
 DRIVING, RECOVERING, ARRIVED, GAVE_UP = range(4)
 _MODES = ("driving", "recovering", "arrived", "gave_up")

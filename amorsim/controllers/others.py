@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Context, Measurement, RobotModel, State
 from amorsim.controllers.abilities import Course
 from amorsim.core.errors import ComponentError, did_you_mean
@@ -14,7 +14,6 @@ from amorsim.kernels import elementary
 
 __all__ = ["know_others", "start_others"]
 
-Array = npt.NDArray[np.float64]
 
 _SENT = ["range", "x", "y", "vx", "vy", "radius"]  # columns of a 'neighbours'
 _SEEN = ["range", "bearing", "id"]  # columns of a 'fiducial'

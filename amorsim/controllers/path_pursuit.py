@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.contracts import Clock, Context, Draws, Measurement, RobotModel, State, parameter
 from amorsim.controllers.abilities import Course
 from amorsim.controllers.avoider import Avoider, body_of, guarded, sight_of
@@ -20,9 +20,6 @@ from amorsim.kernels.behaviours import pure_pursuit
 
 __all__ = ["PathPursuit"]
 
-Array = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
-Bools = npt.NDArray[np.bool_]
 
 _LEAST = 1e-6  # [m] to a goal
 _CREEP = 0.02  # [m/s] while the wheels steer

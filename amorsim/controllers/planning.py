@@ -12,6 +12,7 @@ import numpy.typing as npt
 from amorsim.algorithms.cells import Cells, free_cells
 from amorsim.algorithms.plans import find_plan
 from amorsim.algorithms.speed_profile import pieces_of
+from amorsim.arrays import Array, Bools
 from amorsim.contracts import Beliefs, Plan, Planner, RobotModel, State
 from amorsim.controllers.pursuit import turn_back
 from amorsim.core.errors import ComponentError, ControllerError, PlanError
@@ -32,7 +33,6 @@ __all__ = [
     "turns_back_later",
 ]
 
-Array = npt.NDArray[np.float64]
 
 STATUSES = ("found", "unreachable", "start_blocked", "goal_blocked", "budget", "refused")
 PLACES = 192  # corners of a path
@@ -286,7 +286,7 @@ def lay_path(points: Array, row: int, state: State) -> None:
     state["leg"][row] = 0
 
 
-def turns_back_later(state: State) -> npt.NDArray[np.bool_]:
+def turns_back_later(state: State) -> Bools:
     """Whether the path of each robot `(N, 1)` changes direction between where it is and its end."""
     legs = np.diff(state["path"], axis=1)
     point = np.arange(1, PLACES - 1)

@@ -9,8 +9,8 @@ from typing import Any
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import (
     Clock,
     Context,
@@ -30,8 +30,6 @@ from amorsim.core.error_text import RAISED, error_in_words
 from amorsim.core.errors import ComponentError
 
 __all__ = ["Policy"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True)

@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping, Sequence
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.contracts import (
     Clock,
     Context,
@@ -30,9 +30,6 @@ from amorsim.kernels.behaviours import pure_pursuit
 
 __all__ = ["Pursuit", "next_stops", "turn_back"]
 
-Array = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
-Ints = npt.NDArray[np.int64]
 
 _LEAST = 1e-6  # [m] between waypoints
 

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import (
     Clock,
     Context,
@@ -25,7 +25,6 @@ from amorsim.core.poses import compose
 
 __all__ = ["Square"]
 
-Array = npt.NDArray[np.float64]
 
 _TURN_FIRST = 0.1  # [rad] a larger error of the bearing is corrected in place
 

@@ -13,13 +13,12 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import RobotModel
 
 __all__ = ["Trailer"]
 
-Array = npt.NDArray[np.float64]
 
 _SETTLES = 0.5  # trailer's lengths of way within which an error of the hitch angle falls to a third
 _LOOKS = 1.0  # trailer's lengths that it looks ahead at least; with an inner loop of `_SETTLES` stable above 0.5

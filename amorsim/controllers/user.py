@@ -9,8 +9,8 @@ from typing import Any, ClassVar, NamedTuple
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import (
     Clock,
     Context,
@@ -38,8 +38,6 @@ __all__ = [
     "UserController",
     "WheelSpeeds",
 ]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen

@@ -7,8 +7,8 @@ from typing import Any
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import (
     Clock,
     Context,
@@ -29,7 +29,6 @@ from amorsim.kernels.behaviours.wall_following import follow_wall
 
 __all__ = ["FollowWall"]
 
-Array = npt.NDArray[np.float64]
 
 _ARC_SAMPLES = 7  # points that stand for the arc on which a cone's return lies
 _MARGIN = 0.05  # [m] that it keeps free on both sides of the footprint as it drives

@@ -9,8 +9,8 @@ from typing import Any
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import (
     Clock,
     Context,
@@ -39,7 +39,6 @@ from amorsim.kernels.random.philox import fill_uniform
 
 __all__ = ["Wander"]
 
-Array = npt.NDArray[np.float64]
 
 _PLACES = 32  # that the robot remembers, 0.7 m apart
 _SWAY_MAX = math.radians(2.0)

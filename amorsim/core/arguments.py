@@ -17,6 +17,7 @@ from typing import Annotated, Any, Literal, TypeGuard, TypeVar, cast
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.core.error_text import in_words
 from amorsim.core.parameters import ParameterError
 
@@ -34,7 +35,6 @@ __all__ = [
     "whole",
 ]
 
-Array = npt.NDArray[np.float64]
 F = TypeVar("F", bound=Callable[..., Any])
 Test = Callable[[Any], bool]
 

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools
 from amorsim.core.shapes import Shape
 
 __all__ = ["contains", "crossings", "share_rolled", "share_within"]
 
-Array = npt.NDArray[np.float64]
 
-
-def contains(shape: Shape, points: Array) -> npt.NDArray[np.bool_]:
+def contains(shape: Shape, points: Array) -> Bools:
     """Whether points `(M, 2)` [m] of its frame lie in a circle or a polygon without rounding, its border included."""
     inside = np.zeros(len(points), dtype=bool)
     for part in shape.parts:

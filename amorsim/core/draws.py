@@ -13,14 +13,13 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.core.errors import AmorsimError
 from amorsim.core.execution.workers import Workers
 from amorsim.kernels.random import philox
 from amorsim.kernels.sensing.noise_steps import MEDIANS
 
 __all__ = ["Draws", "Medians", "check_collisions", "stream_key"]
-
-Array = npt.NDArray[np.float64]
 
 
 def stream_key(seed: int, *names: str) -> int:

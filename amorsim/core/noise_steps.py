@@ -7,15 +7,14 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.core.draws import Draws
 from amorsim.core.error_text import in_words
 from amorsim.kernels.sensing import noise_steps as kernels
 
 __all__ = ["NoiseProgram", "NoiseStep", "steps_problem"]
 
-Array = npt.NDArray[np.float64]
 
 _RANDOM = (kernels.SCATTER, kernels.REPLACE)
 _WORK = {kernels.SCATTER: 0.5, kernels.REPLACE: 0.25}  # cost of a value that needs a draw, in rays

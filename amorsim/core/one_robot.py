@@ -6,14 +6,13 @@ from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.core.unknown_names import no_such
 
 __all__ = ["PoseVector", "RobotReading", "RobotReadings"]
 
-Array = npt.NDArray[np.float64]
-_Measured = tuple[Array, npt.NDArray[np.int64], Array, npt.NDArray[np.bool_]]  # measured, stamp, age, fresh
+_Measured = tuple[Array, Ints, Array, Bools]  # measured, stamp, age, fresh
 
 
 class PoseVector(np.ndarray[Any, np.dtype[np.float64]]):

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-import numpy.typing as npt
+from amorsim.arrays import Array
 
 __all__ = ["DROP", "Patch"]
 
@@ -16,7 +15,7 @@ DROP = "#4a515c"
 class Patch(NamedTuple):
     """A line of a width, or an area, on the floor; in metres of the world."""
 
-    points: npt.NDArray[np.float64]  # (V, 2) along the line, its first point again where it is closed; or the outline
+    points: Array  # (V, 2) along the line, its first point again where it is closed; or the outline
     width: float  # [m] of the line, 0 for an area
     colour: str
     is_drop: bool = False

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.core.arguments import is_numeric, numbers
 from amorsim.core.error_text import in_words
 from amorsim.core.parameters import ParameterError, parameter
@@ -13,7 +13,6 @@ from amorsim.kernels.kinematics import poses as kernels
 
 __all__ = ["Mount", "compose", "exponential", "logarithm", "relative", "wrap_angle"]
 
-Array = npt.NDArray[np.float64]
 _FLOAT = np.dtype(np.float64)
 
 

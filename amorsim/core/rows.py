@@ -10,6 +10,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import AnyArray
 from amorsim.core.arguments import checked
 from amorsim.core.error_text import in_words
 from amorsim.core.numbers import is_number
@@ -96,7 +97,7 @@ def _stack_column(column: list[Any], parameter: Parameter) -> Any:
     return _frozen(np.array(column, dtype=dtype)[:, None], dtype)
 
 
-def _frozen(rows: Any, dtype: npt.DTypeLike = np.float64) -> npt.NDArray[Any]:
+def _frozen(rows: Any, dtype: npt.DTypeLike = np.float64) -> AnyArray:
     array = np.ascontiguousarray(rows, dtype=dtype)
     array.flags.writeable = False
     return array

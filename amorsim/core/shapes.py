@@ -9,8 +9,9 @@ from collections.abc import Iterable, Sequence
 import attrs
 import numpy as np
 import shapely
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from amorsim.arrays import Array, Ints
 from amorsim.core.arguments import checked
 from amorsim.core.errors import ShapeError
 from amorsim.kernels.collision.footprints import Bodies
@@ -132,12 +133,12 @@ class Shape:
         return cls(vertices=parts, radius=float(rounding), border=border)
 
     @property
-    def parts(self) -> tuple[NDArray[np.float64], ...]:
+    def parts(self) -> tuple[Array, ...]:
         """Vertices [m] of each convex part, (V, 2), anticlockwise, before they are rounded by `radius`."""
         return tuple(np.array(part, dtype=np.float64) for part in self.vertices)
 
     @property
-    def outline(self) -> NDArray[np.float64]:
+    def outline(self) -> Array:
         """Vertices [m] of the border for drawing, (V, 2), anticlockwise; arcs are cut into chords."""
         return np.array(self.border, dtype=np.float64)
 
@@ -168,7 +169,7 @@ def pack(shapes: Iterable[Shape]) -> Bodies:
     )
 
 
-def _starts(counts: list[int]) -> NDArray[np.int64]:
+def _starts(counts: list[int]) -> Ints:
     starts = np.zeros(len(counts) + 1, dtype=np.int64)
     np.cumsum(counts, out=starts[1:])
     return starts

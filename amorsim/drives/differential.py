@@ -8,16 +8,14 @@ from typing import Any, ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Draws, DriveBinding, Joint, State, parameter
 from amorsim.core.parameters import own_first
 from amorsim.drives.motors import Motors
 from amorsim.kernels.kinematics import odometry
 
 __all__ = ["Differential"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True, field_transformer=own_first)

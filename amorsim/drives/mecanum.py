@@ -6,8 +6,8 @@ from typing import Any, ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Draws, Joint, State, parameter
 from amorsim.core.parameters import own_first
 from amorsim.drives.motors import Motors
@@ -15,7 +15,6 @@ from amorsim.kernels.kinematics import odometry
 
 __all__ = ["Mecanum"]
 
-Array = npt.NDArray[np.float64]
 
 # In the order of the joints: the side to which a wheel that rolls ahead pushes the body, and the side that it is on.
 _ASIDE = (-1.0, 1.0, 1.0, -1.0)

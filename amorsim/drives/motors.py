@@ -8,8 +8,8 @@ from typing import Any
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Drive, parameter
 from amorsim.core.execution.workers import in_turn
 from amorsim.core.parameters import own_first
@@ -17,8 +17,6 @@ from amorsim.core.poses import logarithm
 from amorsim.kernels.kinematics import poses
 
 __all__ = ["Motors", "Steered", "Winding", "over_rows"]
-
-Array = npt.NDArray[np.float64]
 
 
 @functools.cache

@@ -8,8 +8,8 @@ from typing import Any
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Draws, DriveBinding, Joint, State, parameter
 from amorsim.core.parameters import own_first
 from amorsim.drives.motors import Winding, over_rows
@@ -17,7 +17,6 @@ from amorsim.kernels.kinematics import synchro
 
 __all__ = ["Synchro"]
 
-Array = npt.NDArray[np.float64]
 
 _TURRETS = {"fixed": synchro.FIXED, "follows": synchro.FOLLOWS, "driven": synchro.DRIVEN}
 _JOINTS = (Joint(name="steering", rolls=False), Joint(name="wheels"))

@@ -8,8 +8,8 @@ from typing import ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Draws, Joint, Part, State, parameter
 from amorsim.core.parameters import ParameterError, own_first
 from amorsim.core.poses import compose, logarithm
@@ -18,8 +18,6 @@ from amorsim.drives.differential import Differential
 from amorsim.kernels.kinematics import trailer
 
 __all__ = ["Tractor"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True, field_transformer=own_first)

@@ -8,8 +8,8 @@ from typing import Any, ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Draws, DriveBinding, Joint, State, parameter
 from amorsim.core.parameters import own_first
 from amorsim.drives.motors import Steered
@@ -17,7 +17,6 @@ from amorsim.kernels.kinematics import steering
 
 __all__ = ["Tricycle"]
 
-Array = npt.NDArray[np.float64]
 
 _RIGHT = np.pi / 2.0
 _NEARLY_RIGHT = _RIGHT - 1e-9  # [rad] from this steering angle on, the base turns in place

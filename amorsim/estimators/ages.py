@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Bools
 from amorsim.contracts import Measurement, RobotModel
 from amorsim.core.errors import ComponentError
 from amorsim.kernels.number_checks import first_late
@@ -17,12 +17,12 @@ __all__ = ["bind_fresh", "check_fresh", "is_late"]
 _LATE = 1e-9  # [s] beyond the age allowed
 
 
-def is_late(reading: Measurement, age_max: Any) -> npt.NDArray[np.bool_]:
+def is_late(reading: Measurement, age_max: Any) -> Bools:
     """Whether readings, new or not, are older than `age_max` [s] `(N, 1)`."""
     return np.asarray(reading.age > age_max + _LATE)
 
 
-def check_fresh(who: str, robot: RobotModel, sensor: str, reading: Measurement, age_max: Any) -> npt.NDArray[np.bool_]:
+def check_fresh(who: str, robot: RobotModel, sensor: str, reading: Measurement, age_max: Any) -> Bools:
     """Whether readings are new `(N, 1)`.
 
     Raises

@@ -8,8 +8,8 @@ from typing import Any
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools
 from amorsim.contracts import (
     Context,
     Draws,
@@ -28,8 +28,6 @@ from amorsim.estimators.wheels import bind_angles, bind_step, check_encoder
 from amorsim.kernels.kinematics import odometry
 
 __all__ = ["DeadReckoning"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True)
@@ -100,7 +98,7 @@ class DeadReckoning(Estimator):
         bind = functools.partial(DeadReckoning.bind, self)
         return update_bound(bind, robot, readings, command, elapsed, state, draws)
 
-    def is_current(self, readings: Mapping[str, Measurement], state: State) -> npt.NDArray[np.bool_]:
+    def is_current(self, readings: Mapping[str, Measurement], state: State) -> Bools:
         """Where the last reading of the encoder was not lost, or none has come in yet."""
         is_read = np.isfinite(readings[self.encoder].measured).all(axis=1, keepdims=True)
         return np.asarray(is_read | np.isnan(state["joints"]).all(axis=1, keepdims=True))

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import (
     Beliefs,
     Context,
@@ -33,7 +33,6 @@ from amorsim.kernels.matching.tracking import Room
 
 __all__ = ["GraphSlam"]
 
-Array = npt.NDArray[np.float64]
 
 _ANGLE = math.radians(1.0)
 _AMBIGUOUS = 0.9  # of a match's fit, above which another place fits as well

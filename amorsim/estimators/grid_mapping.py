@@ -7,8 +7,8 @@ from typing import Any
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools
 from amorsim.contracts import (
     Beliefs,
     Context,
@@ -35,8 +35,6 @@ from amorsim.kernels.mapping.scan_cells import window_for
 
 __all__ = ["GridMapping"]
 
-Array = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
 
 _POSE = ("x", "y", "heading")
 

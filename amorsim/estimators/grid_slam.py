@@ -8,8 +8,8 @@ from typing import Any
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools
 from amorsim.contracts import (
     Beliefs,
     Context,
@@ -42,8 +42,6 @@ from amorsim.kernels.matching.tracking import Outlines
 
 __all__ = ["GridSlam"]
 
-Array = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
 
 _REACH = 4.0  # [m] around a particle, in which scans are part of its map
 _REFERENCES = 4  # scans that a scan is matched with

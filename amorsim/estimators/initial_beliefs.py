@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Context, Estimate, State
 from amorsim.core.errors import ComponentError
 
 __all__ = ["covariance_at_start", "refuse_lost", "start_state", "with_start"]
 
 
-def covariance_at_start(context: Context) -> npt.NDArray[np.float64]:
+def covariance_at_start(context: Context) -> Array:
     """The covariance `(N, 3, 3)` of the poses that the robots know, zeros if they are exact; a new array."""
     return np.zeros((context.rows, 3, 3)) if context.covariance is None else context.covariance.copy()
 

@@ -14,8 +14,8 @@ from typing import Any
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import AnyArray, Array, Bools
 from amorsim.contracts import (
     Beliefs,
     Context,
@@ -41,8 +41,6 @@ from amorsim.kernels.kinematics import odometry
 
 __all__ = ["KalmanFilter"]
 
-Array = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
 
 _FAR = 1e12  # [m, rad, rad/s]: no robot gets so far; larger numbers are exploding
 _WAYS = {"identity": landmarks.BY_IDENTITY, "nearest": landmarks.NEAREST_FIRST, "joint": landmarks.JOINTLY}
@@ -339,7 +337,7 @@ class KalmanFilter(Estimator):
         Landmarks have them for each slot of the reading, and ``landmarks_match``, the landmark's place among those that
         the robot knows. With a gyro, ``gyro_bias`` [rad/s] and ``gyro_bias_variance``.
         """
-        found: dict[str, npt.NDArray[Any]] = {}
+        found: dict[str, AnyArray] = {}
         for source in SOURCES:
             if not getattr(self, source.field):
                 continue

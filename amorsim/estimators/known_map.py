@@ -9,8 +9,8 @@ from typing import Concatenate, NamedTuple, ParamSpec, TypeVar
 from weakref import WeakKeyDictionary
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Ints, Ints32
 from amorsim.contracts import RobotModel
 from amorsim.core.errors import ComponentError, MapError
 from amorsim.core.maps.free_places import free_places
@@ -36,7 +36,6 @@ __all__ = [
 P = ParamSpec("P")
 T = TypeVar("T")
 
-Array = npt.NDArray[np.float64]
 
 MOST_CELLS = 10**8
 PARTS = 10  # of a cell, to which distances are rounded
@@ -46,7 +45,7 @@ _KEPT = 4  # of what is made of a map for one set of arguments
 _LARGEST = 2**31 - 1  # sum of a scan's steps
 
 
-def maps_of(who: str, robot: RobotModel) -> Sequence[tuple[Map, npt.NDArray[np.int64]]]:
+def maps_of(who: str, robot: RobotModel) -> Sequence[tuple[Map, Ints]]:
     """The maps that robots know, in order, each with its rows.
 
     Raises
@@ -98,7 +97,7 @@ class Ends(NamedTuple):
 
 
 @_once
-def _parts_away(known: Map, resolution: float, distance_max: float) -> tuple[npt.NDArray[np.int32], float, int]:
+def _parts_away(known: Map, resolution: float, distance_max: float) -> tuple[Ints32, float, int]:
     """How far each cell of a map is from the surface of a wall, in parts of a cell; their side [m], and the margin.
 
     Distances are those of the cells' middles, from inside of walls as from outside. They are taken on finer cells, as
@@ -134,7 +133,7 @@ def _parts_away(known: Map, resolution: float, distance_max: float) -> tuple[npt
     return np.rint(np.minimum(parts, PARTS * margin)).astype(np.int32), resolution, margin
 
 
-def field_from(parts_away: npt.NDArray[np.int32], resolution: float, margin: int, ends: Ends) -> Field:
+def field_from(parts_away: Ints32, resolution: float, margin: int, ends: Ends) -> Field:
     """The likelihood field of cells (rows, cols) with those distances from a wall, in parts of a cell.
 
     They include a margin of so many cells to each side, and are at most as far as that.
@@ -187,13 +186,13 @@ def free_of(known: Map) -> Free:
 
 def no_field() -> Field:
     """An empty field, for filters that use none."""
-    steps: npt.NDArray[np.int32] = np.zeros(1, dtype=np.int32)
+    steps: Ints32 = np.zeros(1, dtype=np.int32)
     steps.flags.writeable = False
     return Field(steps, 1, 1, 1.0, 0.0, 1.0, 0.0)
 
 
 def nowhere() -> Free:
     """No squares, for filters that add no random particles."""
-    middles: npt.NDArray[np.float64] = np.zeros((1, 2))
+    middles: Array = np.zeros((1, 2))
     middles.flags.writeable = False
     return Free(middles, 0.0)

@@ -8,8 +8,8 @@ from typing import Any
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import parameter
 from amorsim.core.errors import ComponentError
 from amorsim.kernels.mapping.occupancy import Evidence
@@ -17,7 +17,6 @@ from amorsim.kernels.mapping.scan_cells import Area
 
 __all__ = ["MapArea", "area_of", "area_origins", "log_odds_evidence", "map_beliefs"]
 
-Array = npt.NDArray[np.float64]
 
 _MOST_CELLS = 50_000_000
 

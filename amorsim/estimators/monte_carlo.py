@@ -12,6 +12,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.contracts import (
     Beliefs,
     Context,
@@ -36,7 +37,6 @@ from amorsim.kernels.kinematics.poses import compose
 
 __all__ = ["HYPOTHESES", "MonteCarlo"]
 
-Array = npt.NDArray[np.float64]
 
 HYPOTHESES = 6  # modes that are kept, at most
 
@@ -238,9 +238,9 @@ class MonteCarlo(Estimator):
 
     def _update(
         self,
-        rows: npt.NDArray[np.int64],
-        begins: npt.NDArray[np.bool_],
-        seen: npt.NDArray[np.bool_],
+        rows: Ints,
+        begins: Bools,
+        seen: Bools,
         robot: RobotModel,
         ranges: Array,
         state: State,
@@ -281,8 +281,8 @@ class MonteCarlo(Estimator):
         state["covariance"][rows] = found.covariances[rows, 0]
 
     def _sensing(
-        self, robot: RobotModel, ranges: Array, rows: npt.NDArray[np.int64], is_lost: bool
-    ) -> list[tuple[npt.NDArray[np.int64], particles.Sensing, particles.Free]]:
+        self, robot: RobotModel, ranges: Array, rows: Ints, is_lost: bool
+    ) -> list[tuple[Ints, particles.Sensing, particles.Free]]:
         """The arrays that weigh particles, with the beams that are used, and where particles are drawn at random.
 
         A group of rows for each map that robots know, and each likelihood field of it.
@@ -319,9 +319,7 @@ class MonteCarlo(Estimator):
                 groups.append((which_rows, sensing, free))
         return groups
 
-    def _fields(
-        self, known: Map, count: int, mixture: Mixture, scan: Scan, rows: npt.NDArray[np.int64]
-    ) -> list[tuple[Field, npt.NDArray[np.int64]]]:
+    def _fields(self, known: Map, count: int, mixture: Mixture, scan: Scan, rows: Ints) -> list[tuple[Field, Ints]]:
         """The likelihood fields of a map for scans of `count` beams, each with those of some rows that use it."""
         if self.model == "beam":
             return [(no_field(), rows)]
@@ -335,9 +333,9 @@ class MonteCarlo(Estimator):
             for kind in sorted({*zip(hit.tolist(), rest.tolist(), strict=True)})
         ]
 
-    def failed(self, state: State) -> npt.NDArray[np.bool_]:
+    def failed(self, state: State) -> Bools:
         """Rows in which no particle could explain the last scan; all were kept, with equal weights."""
-        failed: npt.NDArray[np.bool_] = state["figures"][:, 2] > 0.0
+        failed: Bools = state["figures"][:, 2] > 0.0
         return failed
 
     # -------------------------------------------------------------------------------------------------------- beliefs

@@ -7,18 +7,17 @@ from collections.abc import Iterator
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.algorithms.pose_graph import PoseGraph, covariance_of, optimize_robustly
 from amorsim.algorithms.pose_graph.robust import RobustOptimum, weighted
 from amorsim.algorithms.pose_graph.solve import squared_errors
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.contracts import State
 from amorsim.core.errors import GraphError
 from amorsim.core.poses import compose, relative, wrap_angle
 
 __all__ = ["NodeGraph", "empty_nodes", "loops_of", "near_node"]
 
-Array = npt.NDArray[np.float64]
 
 _STD = np.array([0.01, 0.01, 0.004])  # [m, m, rad] added to each edge: matches share errors that they do not know of
 _SHARES = 0.5 ** np.arange(6, -1, -1)  # of the variance of _STD, least first, that edges may turn out to have
@@ -55,7 +54,7 @@ def empty_nodes(rows: int, most: int, beams: int) -> State:
     }
 
 
-def loops_of(state: State) -> npt.NDArray[np.int64]:
+def loops_of(state: State) -> Ints:
     """How many edges of each row's graph close a loop `(N,)`."""
     edges = state["edge_nodes"]
     return np.asarray(((edges[:, :, 1] - edges[:, :, 0]) > 1).sum(axis=1))
@@ -195,7 +194,7 @@ class NodeGraph:
         state["edge_information"][row, place] = 0.5 * (information + information.T)
         state["edge_count"][row] = place + 1
 
-    def relative(self, first: int, others: npt.NDArray[np.int64]) -> Array:
+    def relative(self, first: int, others: Ints) -> Array:
         """The poses (n, 3) of nodes in the frame of another one."""
         poses = self.poses
         return relative(np.repeat(poses[first : first + 1], len(others), axis=0), poses[others])
@@ -263,7 +262,7 @@ def _from(pose: Array, moved: Array) -> Array:
     return np.asarray(compose(pose[None], moved[None])[0])
 
 
-def _is_motion(edges: npt.NDArray[np.int64], first: int, last: int) -> npt.NDArray[np.bool_]:
+def _is_motion(edges: Ints, first: int, last: int) -> Bools:
     """Which edges (m, 2) lead from a node to the next one, between two nodes."""
     return np.asarray((edges[:, 0] >= first) & (edges[:, 1] <= last) & (edges[:, 1] - edges[:, 0] == 1))
 

@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import attrs
-import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Context, Draws, Estimate, Measurement, RobotModel, State
 from amorsim.estimators.scan_tracking import ScanTracker
 
 __all__ = ["ScanMatching"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True)

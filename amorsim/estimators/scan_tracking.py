@@ -8,8 +8,8 @@ from typing import Any
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools
 from amorsim.contracts import (
     Beliefs,
     Context,
@@ -34,8 +34,6 @@ from amorsim.kernels.matching.outlines import outlines
 
 __all__ = ["ScanTracker", "empty_outlines", "placed"]
 
-Array = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
 
 _PICTURE = 0.04  # [m] cells of the correlative stage
 _BLUR = 0.06  # [m]

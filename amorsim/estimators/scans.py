@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools
 from amorsim.contracts import RobotModel
 from amorsim.core.errors import ComponentError
 from amorsim.core.poses import compose
@@ -15,8 +15,6 @@ from amorsim.kernels.kinematics.poses import directions
 from amorsim.kernels.mapping.occupancy import Scans
 
 __all__ = ["Beams", "beams_of", "check_laser", "mounts_of", "scans_of"]
-
-Array = npt.NDArray[np.float64]
 
 
 class Beams(NamedTuple):
@@ -55,7 +53,7 @@ def mounts_of(robot: RobotModel, name: str) -> Array:
     return np.concatenate([np.broadcast_to(side, (robot.rows, 1)) for side in sides], axis=1)
 
 
-def scans_of(beams: Beams, poses: Array, ranges: Array, fresh: npt.NDArray[np.bool_]) -> Scans:
+def scans_of(beams: Beams, poses: Array, ranges: Array, fresh: Bools) -> Scans:
     """Scans taken by robots at `poses` `(N, 3)`, as kernels read them."""
     return Scans(
         compose(poses, beams.mounts),

@@ -7,8 +7,8 @@ from typing import Any, ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import AnyArray, Array
 from amorsim.contracts import Beliefs, Context, Draws, Estimate, Estimator, Measurement, RobotModel, State
 from amorsim.core.error_text import RAISED, in_words
 from amorsim.core.errors import ComponentError
@@ -16,8 +16,6 @@ from amorsim.core.one_robot import PoseVector, RobotReadings
 from amorsim.core.user_code import UserCode
 
 __all__ = ["UserEstimator"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True)
@@ -131,13 +129,13 @@ class UserEstimator(UserCode, Estimator):
         return pose, covariance
 
 
-def _as_belief(values: Any) -> npt.NDArray[Any]:
+def _as_belief(values: Any) -> AnyArray:
     """A belief of one robot, of a type that beliefs may have."""
     array = np.asarray(values)
     return array.copy() if array.dtype in (np.bool_, np.int64) else array.astype(np.float64)
 
 
-def _stacked(parts: Sequence[npt.NDArray[Any]]) -> npt.NDArray[Any]:
+def _stacked(parts: Sequence[AnyArray]) -> AnyArray:
     """Arrays as the rows of one array; smaller ones are filled up with nan."""
     if len({part.shape for part in parts}) == 1:
         return np.stack(parts)

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.contracts import Drive, Joint, Measurement, RobotModel
 from amorsim.core.errors import ComponentError, did_you_mean
 from amorsim.core.execution.workers import in_turn
@@ -33,7 +33,6 @@ __all__ = [
     "step_of",
 ]
 
-Array = npt.NDArray[np.float64]
 
 _FAR = 1e12  # [rad] further than any wheel turns; squares of lengths beyond soon overflow
 _LEAP = 1e4  # [rad] more than any wheel turns between two readings: over a thousand turns
@@ -41,7 +40,7 @@ _NUDGE = 1e-5  # [rad] by which a joint is turned to find the body's motion; the
 
 
 @functools.cache
-def _rolling(joints: tuple[Joint, ...]) -> npt.NDArray[np.int64]:
+def _rolling(joints: tuple[Joint, ...]) -> Ints:
     return np.array([i for i, joint in enumerate(joints) if joint.rolls], dtype=np.int64)
 
 
@@ -77,7 +76,7 @@ class Step(NamedTuple):
     jacobian: Array  # (N, 3, r)
     before: Array  # (N, j) joints
     after: Array  # (N, j)
-    rolling: npt.NDArray[np.int64]  # (r,) which of the joints
+    rolling: Ints  # (r,) which of the joints
     radius: Array  # (N, r) [m]
 
 
@@ -221,9 +220,9 @@ def bind_angles(
 class Counted(NamedTuple):
     """Rows `(N, 1)` whose wheels may be compared with what else is measured; see `odometry.take_readings`."""
 
-    taken: npt.NDArray[np.bool_]
-    current: npt.NDArray[np.bool_]
-    follows: npt.NDArray[np.bool_]
+    taken: Bools
+    current: Bools
+    follows: Bools
 
 
 def bind_readings(
@@ -239,9 +238,7 @@ def bind_readings(
     return before, after, take
 
 
-def is_current(
-    robot: RobotModel, encoder: str, reading: Measurement, after: Array, was: npt.NDArray[np.bool_]
-) -> npt.NDArray[np.bool_]:
+def is_current(robot: RobotModel, encoder: str, reading: Measurement, after: Array, was: Bools) -> Bools:
     """Whether a pose that the joints `after` have moved is where the robot is `(N, 1)`; no other may be corrected.
 
     Where a new reading of the encoder is lost, the wheels have moved by what the next one will show. Until then the

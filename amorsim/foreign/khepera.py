@@ -20,8 +20,8 @@ from typing import Any, ClassVar, NamedTuple
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools
 from amorsim.contracts import MapLoader, ScenarioDocument, ScenarioLoader
 from amorsim.core.errors import Fault, MapError, ScenarioError
 from amorsim.core.maps.map import Map
@@ -55,10 +55,10 @@ class Thing(NamedTuple):
 class Playground:
     """The content of a world: its picture, row 0 lowest, True where something was drawn; and its objects."""
 
-    pixels: npt.NDArray[np.bool_]
+    pixels: Bools
     things: tuple[Thing, ...]
 
-    def walls(self) -> npt.NDArray[np.bool_]:
+    def walls(self) -> Bools:
         """The picture with all bricks in it and without lamps, which let light through and block nothing."""
         cells = self.pixels.copy()
         for thing in self.things:
@@ -75,23 +75,23 @@ class Playground:
         return bool(self.pixels[min(row, _PIXELS - 1), min(col, _PIXELS - 1)])
 
 
-def _middles() -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+def _middles() -> tuple[Array, Array]:
     middle = (np.arange(_PIXELS, dtype=np.float64) + 0.5) * np.float64(_PIXEL)
     return middle[None, :], middle[:, None]
 
 
-def _disc(thing: Thing, radius: float) -> npt.NDArray[np.bool_]:
+def _disc(thing: Thing, radius: float) -> Bools:
     x, y = _middles()
-    found: npt.NDArray[np.bool_] = (x - thing.x) ** 2 + (y - thing.y) ** 2 <= radius**2
+    found: Bools = (x - thing.x) ** 2 + (y - thing.y) ** 2 <= radius**2
     return found
 
 
-def _brick(thing: Thing) -> npt.NDArray[np.bool_]:
+def _brick(thing: Thing) -> Bools:
     x, y = _middles()
     c, s = math.cos(math.radians(thing.degrees)), math.sin(math.radians(thing.degrees))
     along, across = (x - thing.x) * c + (y - thing.y) * s, (y - thing.y) * c - (x - thing.x) * s
     length, width = (side + 1e-9 for side in _BRICK_SIZE)  # with the pixels whose middles lie on its border
-    found: npt.NDArray[np.bool_] = (np.abs(along) <= length / 2) & (np.abs(across) <= width / 2)
+    found: Bools = (np.abs(along) <= length / 2) & (np.abs(across) <= width / 2)
     return found
 
 

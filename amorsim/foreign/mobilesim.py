@@ -11,8 +11,8 @@ from typing import Any, ClassVar, NamedTuple
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import MapLoader, ScenarioDocument, ScenarioLoader
 from amorsim.core.errors import MapError, ScenarioError
 from amorsim.core.maps.cell_lines import extent_of
@@ -69,11 +69,11 @@ class Thing(NamedTuple):
 class RobotMap:
     """The content of a map of ARIA, in metres."""
 
-    segments: npt.NDArray[np.float64]  # (M, 4) x1 y1 x2 y2
-    points: npt.NDArray[np.float64]  # (P, 2)
+    segments: Array  # (M, 4) x1 y1 x2 y2
+    points: Array  # (P, 2)
     things: tuple[Thing, ...]
     resolution: float | None  # [m] between points
-    bounds: npt.NDArray[np.float64]  # (B, 2) corners of the map that its head names
+    bounds: Array  # (B, 2) corners of the map that its head names
     remarks: tuple[str, ...]
 
     @property
@@ -293,13 +293,13 @@ class MobileSimMap(MapLoader):
         )
 
 
-def _corners(things: Iterable[Thing]) -> npt.NDArray[np.float64]:
+def _corners(things: Iterable[Thing]) -> Array:
     """Places that the map must hold: the middles of areas and lines, and the places of goals."""
     places = [each.centre if each.ends else (each.x, each.y) for each in things if each.kind not in _HOMES]
     return np.array(places, dtype=np.float64).reshape(-1, 2)
 
 
-def _is_outside(start: tuple[float, float, float], corners: npt.NDArray[np.float64]) -> bool:
+def _is_outside(start: tuple[float, float, float], corners: Array) -> bool:
     at = np.array(start[:2])
     return bool((at < corners.min(axis=0)).any() or (at > corners.max(axis=0)).any())
 

@@ -16,8 +16,8 @@ from typing import Any
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import AnyArray, Array
 from amorsim.contracts import Beliefs, Context, Draws, Estimate, Estimator, Measurement, RobotModel, State
 from amorsim.controllers.user import RobotClock, RobotEstimate, RobotReading, Twist, WheelSpeeds
 from amorsim.core.error_text import in_words
@@ -30,7 +30,6 @@ from amorsim.kernels.cache_folder import cache_folder
 
 __all__ = ["Remote", "SubmittedEstimator"]
 
-Array = npt.NDArray[np.float64]
 
 _LONGEST = 1 << 20  # [bytes] of an answer
 _LARGEST = 1 << 26  # [bytes] of the beliefs of an estimator
@@ -167,7 +166,7 @@ class Remote:
             )
         return pose, covariance
 
-    def beliefs(self) -> dict[str, npt.NDArray[Any]]:
+    def beliefs(self) -> dict[str, AnyArray]:
         """The submission's beliefs, by name; whatever it sends, they are arrays of numbers."""
         self._say({"beliefs": True}, "when its beliefs were asked for")
         _, value = self._answer("when its beliefs were asked for", _LARGEST)

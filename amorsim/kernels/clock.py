@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.compile import kernel
 
 __all__ = ["advance_clocks"]
 
 
 @kernel
-def advance_clocks(tick: NDArray[np.int64], dt: float, time: NDArray[np.float64], counter: NDArray[np.uint32]) -> None:
+def advance_clocks(tick: Ints, dt: float, time: Array, counter: NDArray[np.uint32]) -> None:
     """Put rows to their next `tick` (N, 1), and set their `time` (N, 1) [s] and the last column of `counter` (N, 3).
 
     The time is a product and not a sum: it is still right after a billion steps.

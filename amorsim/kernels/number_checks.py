@@ -4,20 +4,14 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.kernels.compile import kernel
 
 __all__ = ["all_finite", "all_indices", "first_late", "has_nan"]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
-
 
 @kernel
-def all_finite(values: Floats) -> bool:
+def all_finite(values: Array) -> bool:
     """Whether no number of these (V,) is nan or inf."""
     finite = True
     for value in values:
@@ -35,7 +29,7 @@ def all_indices(values: Ints, count: int) -> bool:
 
 
 @kernel
-def has_nan(values: Floats) -> bool:
+def has_nan(values: Array) -> bool:
     """Whether any number of these (V,) is nan."""
     found = False
     for value in values:
@@ -44,7 +38,7 @@ def has_nan(values: Floats) -> bool:
 
 
 @kernel
-def first_late(fresh: Bools, age: Floats, most: Floats) -> int:
+def first_late(fresh: Bools, age: Array, most: Array) -> int:
     """The first row whose reading is new (N, 1) and older than its limit (N, 1); -1 if there is none."""
     for i in range(fresh.shape[0]):
         if fresh[i, 0] and age[i, 0] > most[i, 0]:

@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.compile import part
 
 __all__ = ["sort"]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-
 
 @part
-def _comes_after(a: int, b: int, keys: Floats, numbers: Ints) -> bool:
+def _comes_after(a: int, b: int, keys: Array, numbers: Ints) -> bool:
     """Whether entry a comes after entry b."""
     larger: bool = keys[a] > keys[b]
     as_large: bool = keys[a] == keys[b] and numbers[a] > numbers[b]
@@ -22,7 +17,7 @@ def _comes_after(a: int, b: int, keys: Floats, numbers: Ints) -> bool:
 
 
 @part
-def sort(keys: Floats, numbers: Ints) -> None:
+def sort(keys: Array, numbers: Ints) -> None:
     """Sort entries by their keys (Q,), and those of equal keys by their numbers (Q,)."""
     count = len(keys)
     begin = count // 2

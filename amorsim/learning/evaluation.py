@@ -6,9 +6,9 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from gymnasium.vector import AutoresetMode, VectorEnv
 
+from amorsim.arrays import AnyArray
 from amorsim.core.error_text import in_words
 
 __all__ = ["Evaluation", "evaluate"]
@@ -31,7 +31,7 @@ class Evaluation(NamedTuple):
 
 
 def evaluate(
-    envs: VectorEnv[Any, Any, Any], act: Callable[[Any], npt.NDArray[Any]] | None = None, *, seed: int = 0
+    envs: VectorEnv[Any, Any, Any], act: Callable[[Any], AnyArray] | None = None, *, seed: int = 0
 ) -> Evaluation:
     """Let each environment play the first episode of its seed, and tell how they end.
 

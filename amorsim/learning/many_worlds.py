@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import AnyArray, Array, Bools
 from amorsim.contracts import Task
 from amorsim.learning.worlds import Worlds
 from amorsim.scenario.spec import Scenario
@@ -15,7 +15,6 @@ from amorsim.simulation.simulation import MAX_REPLICA, Simulation
 
 __all__ = ["SimulationParallelVectorEnv"]
 
-Bools = npt.NDArray[np.bool_]
 ByAgent = dict[str, Any]
 
 
@@ -114,11 +113,11 @@ class SimulationParallelVectorEnv:
         reward, ended, late = (self._by_agent(array) for array in (rewards, terminated, truncated))
         return self._observations(), reward, ended, late, self._infos(success, acted)
 
-    def state(self) -> npt.NDArray[Any]:
+    def state(self) -> AnyArray:
         """The true quantities of all robots of each world, for a critic `(num_worlds, agents * p)`."""
         return self._worlds.privileged().reshape(self.num_worlds, -1)
 
-    def _taken(self, actions: Mapping[str, Any]) -> npt.NDArray[np.float64]:
+    def _taken(self, actions: Mapping[str, Any]) -> Array:
         shape = self.num_worlds, len(self._worlds.low)
         taken = np.empty((self.num_worlds, len(self.possible_agents), shape[1]))
         for column, agent in enumerate(self.possible_agents):
@@ -131,7 +130,7 @@ class SimulationParallelVectorEnv:
     def _observations(self) -> ByAgent:
         return dict(zip(self.possible_agents, self._worlds.observe(), strict=True))
 
-    def _by_agent(self, array: npt.NDArray[Any]) -> ByAgent:
+    def _by_agent(self, array: AnyArray) -> ByAgent:
         return {agent: np.ascontiguousarray(array[:, column]) for column, agent in enumerate(self.possible_agents)}
 
     def _infos(self, success: Bools, acted: Bools) -> ByAgent:

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from pettingzoo import ParallelEnv
 
+from amorsim.arrays import AnyArray, Array, Bools
 from amorsim.contracts import Task
 from amorsim.learning.pictures import RENDER_MODES, Pictures, check_render_mode, goals_in
 from amorsim.learning.worlds import Worlds
@@ -121,7 +122,7 @@ class SimulationParallelEnv(ParallelEnv):  # type: ignore[misc]
         self.agents = [agent for agent in acted if not (terminated[agent] or truncated[agent])]
         return seen, {agent: float(outcome.reward[row]) for agent, row in acted.items()}, terminated, truncated, infos
 
-    def state(self) -> npt.NDArray[Any]:
+    def state(self) -> AnyArray:
         """The true quantities of all robots, for a critic: `Task.privileged` `(agents * p,)`."""
         return self._worlds.privileged().ravel()
 
@@ -141,7 +142,7 @@ class SimulationParallelEnv(ParallelEnv):  # type: ignore[misc]
         if self.render_mode == "human":
             self._worlds.show()
 
-    def _taken(self, actions: dict[str, Any]) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.bool_]]:
+    def _taken(self, actions: dict[str, Any]) -> tuple[Array, Bools]:
         """The actions `(1, A, a)`, and who acts `(1, A)`."""
         worlds = self._worlds
         taken = np.zeros((1, len(worlds.agents), len(worlds.low)))

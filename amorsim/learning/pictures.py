@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import State
 from amorsim.core.errors import AmorsimError
 from amorsim.core.shapes import Shape
@@ -19,7 +20,6 @@ __all__ = ["RENDER_MODES", "Pictures", "check_render_mode", "goals_in"]
 RENDER_MODES = ["rgb_array", "human"]
 _SIZE = 480  # [px] the longer side of a picture
 
-Array = npt.NDArray[np.float64]
 
 _GOAL = Shown(outline=Shape.circle(0.12).outline, is_robot=False, colour="#d95f02")
 

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from gymnasium.vector import AutoresetMode
 from stable_baselines3.common.vec_env import VecEnv
 
+from amorsim.arrays import AnyArray, Bools
 from amorsim.core.errors import AmorsimError
 from amorsim.learning.vector import SimulationVectorEnv
 
@@ -55,11 +56,11 @@ class StableBaselinesVecEnv(VecEnv):  # type: ignore[misc]
         self._length[:] = 0
         return self.envs.reset(seed=first)[0]
 
-    def step_async(self, actions: npt.NDArray[Any]) -> None:
+    def step_async(self, actions: AnyArray) -> None:
         """Keep the actions `(num_envs, a)` for `step_wait`."""
         self._actions = actions
 
-    def step_wait(self) -> tuple[Any, npt.NDArray[Any], npt.NDArray[np.bool_], list[dict[str, Any]]]:
+    def step_wait(self) -> tuple[Any, AnyArray, Bools, list[dict[str, Any]]]:
         """Take the actions, and simulate to the next ones."""
         seen, reward, terminated, truncated, infos = self.envs.step(self._actions)
         self._return += reward

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
+from amorsim.arrays import Array, Bools
 from amorsim.contracts import Controller, StepOutcome, Task
 from amorsim.core.errors import AmorsimError
 from amorsim.learning.pictures import RENDER_MODES, Pictures, check_render_mode, goals_in
@@ -21,8 +22,6 @@ from amorsim.simulation.simulation import MAX_REPLICA, Simulation
 
 __all__ = ["SimulationVectorEnv"]
 
-Array = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
 
 _LARGE = 1e6  # no true quantity is larger
 

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import attrs
 import gymnasium as gym
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import AnyArray, Array, Bools, Ints
 from amorsim.contracts import Controller, Draws, Observable, State, StepOutcome, Task
 from amorsim.controllers.manual import Manual
 from amorsim.core.draws import stream_key
@@ -26,9 +26,6 @@ if TYPE_CHECKING:
 
 __all__ = ["STUDY", "Worlds"]
 
-Array = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
-Ints = npt.NDArray[np.int64]
 
 STUDY = 0
 """The seed of every simulation here. A world's own seed is the number of its replica."""
@@ -179,9 +176,9 @@ class Worlds:
             forward, turn, left = (part[column :: len(self.agents)] for part in parts)
             self.simulation.drive(name, forward=forward, turn=turn, left=left)
 
-    def observe(self) -> list[npt.NDArray[Any]]:
+    def observe(self) -> list[AnyArray]:
         """The observations `(W, k)` of each robot of a world, arrays of their own."""
-        found: dict[int, npt.NDArray[Any]] = {}
+        found: dict[int, AnyArray] = {}
         actions = self._action.reshape(-1, len(self.low))
         for kind in self._kinds:
             known = self.simulation.known(kind.whose)
@@ -192,7 +189,7 @@ class Worlds:
             found |= {column: seen[rows] for column, rows in kind.columns.items()}
         return [found[column] for column in range(len(self.agents))]
 
-    def privileged(self) -> npt.NDArray[Any]:
+    def privileged(self) -> AnyArray:
         """True quantities for a critic `(W, A, p)`."""
         found = self.task.privileged(self.simulation.truth(), self.episode).astype(self.dtype)
         return found.reshape(self.count, len(self.simulation.names), -1)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from amorsim.arrays import Ints32
 from amorsim.contracts import MapLoader
 from amorsim.core.errors import MapError
 from amorsim.core.files.reading import is_file
@@ -206,7 +207,7 @@ def _two_colours(white: int, other: str, colours: Colours) -> Rule:
     return _darker(between, white)
 
 
-def _luma(colours: Colours) -> NDArray[np.int32]:
+def _luma(colours: Colours) -> Ints32:
     """Brightness (n,) in thousandths of a channel's step."""
     red, green, blue = (colours[:, channel].astype(np.int32) * _LUMA[channel] for channel in range(3))
     return np.asarray(red + green + blue)

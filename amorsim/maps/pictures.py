@@ -8,13 +8,13 @@ import re
 import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 from PIL import ExifTags, Image, UnidentifiedImageError
 
+from amorsim.arrays import AnyArray, Ints
 from amorsim.core.errors import MapError
 from amorsim.core.files.reading import check_readable, reason
 from amorsim.core.maps.map import Map
@@ -187,13 +187,13 @@ def _pixels(image: Image.Image) -> NDArray[np.uint32]:
     return np.asarray(image).reshape(-1).view(np.uint32)
 
 
-def _runs(pixels: NDArray[np.uint32]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _runs(pixels: NDArray[np.uint32]) -> tuple[Ints, Ints]:
     """Where runs of equal pixels begin, and how long they are."""
     starts = np.flatnonzero(np.concatenate(([True], pixels[1:] != pixels[:-1])))
     return starts, np.diff(starts, append=len(pixels))
 
 
-def _values(image: Image.Image) -> NDArray[Any]:
+def _values(image: Image.Image) -> AnyArray:
     """The values of pixels of one channel, as indices into `Picture._table`."""
     if image.mode in _DEEP:
         return np.asarray(image).clip(0, 0xFFFF).astype(np.uint16).ravel()

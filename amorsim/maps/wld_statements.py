@@ -28,8 +28,8 @@ from typing import NamedTuple
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
 
+from amorsim.arrays import Array
 from amorsim.core.errors import MapError, did_you_mean
 
 __all__ = ["PUSH_SIGNS", "LineWorld", "WallLine", "begins_a_world", "direction", "parse_world"]
@@ -66,7 +66,7 @@ class LineWorld:
     wall is written, and `outside` is the last line after which no frame is open.
     """
 
-    segments: NDArray[np.float64]
+    segments: Array
     extent: tuple[float, float, float, float]
     start: tuple[float, float, float] | None
     warnings: tuple[str, ...]
@@ -175,7 +175,7 @@ class _Reader:
             outside=self._outside,
         )
 
-    def _extent(self, segments: NDArray[np.float64]) -> tuple[float, float, float, float]:
+    def _extent(self, segments: Array) -> tuple[float, float, float, float]:
         xs, ys = segments[:, 0::2].ravel(), segments[:, 1::2].ravel()
         left, bottom = self._origin or (0.0, 0.0)
         floor_width, floor_height = self._floor or (None, None)

@@ -7,9 +7,9 @@ from typing import ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.algorithms.consistency import nees
+from amorsim.arrays import Array
 from amorsim.contracts import Episode, Metric, parameter
 from amorsim.core.parameters import ParameterError
 from amorsim.core.poses import wrap_angle
@@ -17,8 +17,6 @@ from amorsim.kernels import elementary
 from amorsim.metrics.series import AT, at, total
 
 __all__ = ["Nees", "Nis"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True)

@@ -7,8 +7,8 @@ from typing import ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools
 from amorsim.contracts import Episode, Metric, parameter
 from amorsim.core.poses import wrap_angle
 from amorsim.metrics.jumps import before_steps
@@ -16,8 +16,6 @@ from amorsim.metrics.series import total
 from amorsim.planners.theta_star import ThetaStar
 
 __all__ = ["ArrivalTime", "Collisions", "PathLength", "Spl", "Success", "Turning"]
-
-Array = npt.NDArray[np.float64]
 
 
 def _lengths(episode: Episode) -> Array:
@@ -180,7 +178,7 @@ class Spl(Metric):
         return found
 
 
-def _near(episode: Episode, goal: tuple[float, float], within: float) -> npt.NDArray[np.bool_]:
+def _near(episode: Episode, goal: tuple[float, float], within: float) -> Bools:
     """Whether the robot is truly near a place, at every time `(S, R)`."""
     apart = episode.kept["true_pose"][..., :2] - np.array(goal)
     return np.asarray(np.sqrt(apart[..., 0] ** 2 + apart[..., 1] ** 2) <= within)

@@ -7,8 +7,8 @@ from typing import ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Episode, Metric, parameter
 from amorsim.core.poses import wrap_angle
 from amorsim.metrics.jumps import jumps
@@ -16,7 +16,6 @@ from amorsim.metrics.series import AT, at
 
 __all__ = ["HeadingError", "PositionError", "RecoveryTime"]
 
-Array = npt.NDArray[np.float64]
 
 _HELP = "of all times: the last, the mean, the root mean square, the largest, the median"
 

@@ -5,13 +5,12 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Episode
 
 __all__ = ["Jump", "before_steps", "jumps"]
 
-Array = npt.NDArray[np.float64]
 
 _KINDS = ("pose_set", "kidnapped")
 

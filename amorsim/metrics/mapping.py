@@ -11,13 +11,13 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.algorithms.map_scores import MapScores, map_scores
+from amorsim.arrays import Array
 from amorsim.contracts import Episode, Metric, parameter
 from amorsim.core.maps.map import Map
 from amorsim.core.poses import compose, relative
 
 __all__ = ["MapAccuracy", "MapCompleteness", "MapIou"]
 
-Array = npt.NDArray[np.float64]
 Cells = npt.NDArray[np.uint8]
 
 _FREE, _OCCUPIED, _NOT_JUDGED = 0, 1, 2

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
+
+from amorsim.arrays import Array
 
 __all__ = ["AT", "at", "total"]
 
-Array = npt.NDArray[np.float64]
 
 AT = ("end", "mean", "rms", "max", "median")
 """The ways in which a metric may sum up a series over time."""

@@ -7,14 +7,13 @@ from typing import ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Episode, Metric, parameter
 from amorsim.core.maps.footprint_room import wall_gaps
 
 __all__ = ["Clearance", "Coverage"]
 
-Array = npt.NDArray[np.float64]
 
 _MOST_CELLS = 4_000_000  # of the floor, in a replica
 

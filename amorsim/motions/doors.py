@@ -7,17 +7,14 @@ import math
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.contracts import Context, Draws, Motion, State, View, parameter
 from amorsim.core.parameters import ParameterError
 from amorsim.core.poses import wrap_angle
 from amorsim.motions.ways import blocked_for, displacement
 
 __all__ = ["SlidingDoor", "SwingDoor"]
-
-Array = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
 
 
 @attrs.frozen(kw_only=True)
@@ -67,7 +64,7 @@ class _Door(Motion):
         wants = changes % 2 == 1
         return np.asarray(np.where(state["left_out"] == changes, ~wants, wants))
 
-    def _changes(self, time: Array) -> npt.NDArray[np.int64]:
+    def _changes(self, time: Array) -> Ints:
         """Number of timetable changes due by a time [s] `(N, 1)`; odd while the door should be open."""
         times = np.asarray(self.timetable).reshape(len(time), -1)
         # A time that is missed only by rounding counts as reached.

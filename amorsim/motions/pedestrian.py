@@ -8,8 +8,8 @@ from typing import Any
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Ints
 from amorsim.contracts import Context, Draws, Motion, State, View, parameter
 from amorsim.kernels import elementary
 from amorsim.kernels.behaviours.social_force import NEGLIGIBLE, Passers, Walls, range_of, social_forces
@@ -17,7 +17,6 @@ from amorsim.motions.ways import STANDS, blocked_for, displacement, facing
 
 __all__ = ["Pedestrian"]
 
-Array = npt.NDArray[np.float64]
 
 _RAYS = 24
 _WORK = 60  # cost of the forces on a pedestrian, in rays
@@ -165,7 +164,7 @@ class Pedestrian(Motion):
             part = np.where(gives_up & (view.free < 1.0), 0.0, part)
         return np.where(view.tick == 0, 1.0, part)
 
-    def _next_goal(self, goal: npt.NDArray[np.int64], uniform: Array) -> npt.NDArray[np.int64]:
+    def _next_goal(self, goal: Ints, uniform: Array) -> Ints:
         """The goals `(N, 1)` after these."""
         count = max(self._count, 1)
         if self.order == "once":

@@ -7,8 +7,8 @@ from typing import Any, ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Context, Draws, Motion, State, View, parameter
 from amorsim.core.parameters import ParameterError
 from amorsim.kernels import elementary
@@ -16,8 +16,6 @@ from amorsim.kernels.behaviours import routes
 from amorsim.motions.ways import displacement
 
 __all__ = ["Loop", "Oscillate", "Waypoints"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True)

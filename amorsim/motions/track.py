@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Context, Draws, Motion, State, View, parameter
 from amorsim.core.errors import ComponentError, did_you_mean
 from amorsim.core.files.reading import read_text, reason
@@ -23,7 +23,6 @@ from amorsim.motions.ways import displacement, facing
 
 __all__ = ["Recorded", "Track", "read_track"]
 
-Array = npt.NDArray[np.float64]
 
 _COLUMNS = ("time", "x", "y")
 _HEADING = "heading_deg"

@@ -7,8 +7,8 @@ from typing import Any, ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Context, Draws, Motion, State, View
 from amorsim.core.error_text import RAISED, in_words
 from amorsim.core.errors import ComponentError
@@ -17,7 +17,6 @@ from amorsim.motions.ways import displacement
 
 __all__ = ["ObstacleState", "UserMotion"]
 
-Array = npt.NDArray[np.float64]
 
 # A faster body [m/s, rad/s] would be followed in too many short pieces for a step to end.
 FASTEST = 1e6

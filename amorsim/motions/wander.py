@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Context, Draws, Motion, State, View, parameter
 from amorsim.motions.ways import blocked_for, displacement, facing
 
 __all__ = ["Wander"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True)

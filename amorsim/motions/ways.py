@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import State, View
 from amorsim.core.poses import wrap_angle
 from amorsim.kernels import elementary
 
 __all__ = ["STANDS", "blocked_for", "displacement", "facing"]
 
-Array = npt.NDArray[np.float64]
 
 STANDS = 1e-12  # [m] a way shorter than this has no direction
 

@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import attrs
-import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Draws, Noise, State, parameter
 from amorsim.kernels.sensing import noise_elements
 
 __all__ = ["AngleRandomWalk"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True)

@@ -6,15 +6,14 @@ from collections.abc import Mapping
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Draws, Noise, State, parameter
 from amorsim.core.parameters import ParameterError
 from amorsim.kernels import elementary
 
 __all__ = ["BeamModel"]
 
-Array = npt.NDArray[np.float64]
 
 _TOLERANCE = 1e-9  # of the sum of the weights, which are given in decimals
 

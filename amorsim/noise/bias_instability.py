@@ -7,14 +7,12 @@ from typing import Any
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Context, Draws, Noise, State, parameter
 from amorsim.kernels.sensing import noise_elements
 
 __all__ = ["BiasInstability"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True)

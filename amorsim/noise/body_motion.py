@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Context, State
 from amorsim.core.errors import ComponentError
 
 __all__ = ["acts_on_wheels", "motion_squares", "per_interval", "slide_along", "start_motion", "with_motion_error"]
-
-Array = npt.NDArray[np.float64]
 
 
 def per_interval(interval: float | None, elapsed: Array) -> Array:

@@ -7,8 +7,8 @@ from typing import ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Context, Draws, Noise, State, parameter
 from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import ParameterError
@@ -17,7 +17,6 @@ from amorsim.noise.joints import chosen
 
 __all__ = ["Bump"]
 
-Array = npt.NDArray[np.float64]
 
 _MOST = 64  # bumps under one wheel in one step
 

@@ -6,15 +6,12 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 import attrs
-import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Draws, Noise, State, parameter
 from amorsim.kernels.sensing import noise_elements
 
 __all__ = ["Diffusion"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True)

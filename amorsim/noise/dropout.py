@@ -7,14 +7,12 @@ from collections.abc import Mapping, Sequence
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Context, Draws, Noise, NoiseStep, State, parameter
 from amorsim.core.parameters import ParameterError
 
 __all__ = ["Dropout"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True)

@@ -6,14 +6,12 @@ from collections.abc import Mapping, Sequence
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Context, Draws, Noise, NoiseStep, State, parameter
 from amorsim.kernels.sensing import readings
 
 __all__ = ["Gaussian"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True)

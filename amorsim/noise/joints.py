@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Context
 from amorsim.core.errors import ComponentError, did_you_mean
 
 __all__ = ["chosen"]
 
 
-def chosen(element: str, joint: str, context: Context) -> npt.NDArray[np.float64]:
+def chosen(element: str, joint: str, context: Context) -> Array:
     """1 for each rolling joint `(N, r)` named `joint`, 0 for others; an empty name means all.
 
     Raises

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Draws, Noise, State, parameter
 
 __all__ = ["LatencyJitter"]
 
-Array = npt.NDArray[np.float64]
 
 _CUT = 5.0  # standard deviations; one draw in 1.7 million lies beyond
 

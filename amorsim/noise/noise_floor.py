@@ -6,13 +6,11 @@ from collections.abc import Mapping
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Draws, Noise, State, parameter
 
 __all__ = ["NoiseFloor"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True)

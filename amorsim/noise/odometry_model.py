@@ -7,8 +7,8 @@ from typing import ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Context, Draws, Noise, State, parameter
 from amorsim.noise.body_motion import (
     acts_on_wheels,
@@ -20,8 +20,6 @@ from amorsim.noise.body_motion import (
 )
 
 __all__ = ["OdometryModel"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True)

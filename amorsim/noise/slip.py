@@ -7,15 +7,13 @@ from typing import ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Context, Draws, Noise, State, parameter
 from amorsim.kernels.sensing import noise_elements
 from amorsim.noise.joints import chosen
 
 __all__ = ["Slip"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True)

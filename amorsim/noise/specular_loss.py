@@ -6,14 +6,12 @@ from collections.abc import Mapping
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Draws, Noise, State, parameter
 from amorsim.core.errors import ComponentError
 
 __all__ = ["SpecularLoss"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True)

@@ -8,9 +8,9 @@ from typing import ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.algorithms.curves import Curve, all_curves
+from amorsim.arrays import Array
 from amorsim.contracts import Plan
 from amorsim.core.maps.map import Map
 from amorsim.core.parameters import parameter
@@ -20,7 +20,6 @@ from amorsim.planners.on_poses import Ends, PosePlanner, Query
 
 __all__ = ["CurvePlanner", "Dubins", "ReedsShepp"]
 
-Array = npt.NDArray[np.float64]
 
 _SHOWN = 200  # radii over the spacing of poses in a plan: chords are shorter than their arcs by 1e-6 of them
 

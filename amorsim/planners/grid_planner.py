@@ -9,9 +9,9 @@ from typing import ClassVar, NamedTuple
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.algorithms.cells import Cells, place_of
+from amorsim.arrays import Array, Ints32
 from amorsim.contracts import Plan
 from amorsim.core.maps.map import Map
 from amorsim.core.parameters import parameter
@@ -23,20 +23,17 @@ from amorsim.planners.on_cells import CellPlanner, Place, free_ends, poses_along
 
 __all__ = ["Found", "GridPlanner", "Place", "found_by", "octile_length", "path_through", "run_octile", "run_search"]
 
-Array = npt.NDArray[np.float64]
-Numbers = npt.NDArray[np.int32]
-
 
 class Found(NamedTuple):
     """The result of a search on cells."""
 
     status: str
     """``"found"``, ``"unreachable"`` or ``"budget"``."""
-    path: Numbers
+    path: Ints32
     """The cells at the corners of the path, from start to goal; empty without one."""
     length: float
     """[cells] from the centre of the first to that of the last; inf without a path."""
-    searched: Numbers
+    searched: Ints32
     """The cells expanded, in order."""
 
 
@@ -114,7 +111,7 @@ def run_octile(cells: Cells, start: int, goal: int, budget: int, weight: float) 
     return run_search(cells, start, budget, lambda search, most: expand_octile(search, cells.width, goal, weight, most))
 
 
-def found_by(status: str, search: Search, start: int, goal: int, length: Callable[[Numbers], float]) -> Found:
+def found_by(status: str, search: Search, start: int, goal: int, length: Callable[[Ints32], float]) -> Found:
     """The result of a search, with the cells of its path by their parents, and their length by `length`."""
     searched = search.order[: search.used[1]]
     if status != "found":
@@ -123,7 +120,7 @@ def found_by(status: str, search: Search, start: int, goal: int, length: Callabl
     return Found(status, path, length(path), searched)
 
 
-def path_through(parent: Numbers, start: int, goal: int) -> Numbers:
+def path_through(parent: Ints32, start: int, goal: int) -> Ints32:
     """The cells from start to goal, by the parent of each."""
     cells = [goal]
     while cells[-1] != start:
@@ -131,7 +128,7 @@ def path_through(parent: Numbers, start: int, goal: int) -> Numbers:
     return np.array(cells[::-1], np.int32)
 
 
-def octile_length(path: Numbers, width: int) -> float:
+def octile_length(path: Ints32, width: int) -> float:
     """Length [cells] of a path of straight and diagonal lines.
 
     Both kinds are counted before anything is rounded, so all shortest paths between two cells get the same bits.

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.algorithms.cells import free_cells
+from amorsim.arrays import Array
 from amorsim.contracts import Plan
 from amorsim.core.maps.map import Map
 from amorsim.core.parameters import ParameterError, parameter
@@ -23,7 +23,6 @@ from amorsim.planners.on_poses import Ends, PosePlanner, Query
 
 __all__ = ["HybridAStar"]
 
-Array = npt.NDArray[np.float64]
 
 _AT_A_TIME = 100  # poses, some milliseconds, so that Ctrl-C is noticed
 _WAVE_AT_A_TIME = 100_000

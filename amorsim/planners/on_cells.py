@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.algorithms.cells import Cells, free_cells
+from amorsim.arrays import Array
 from amorsim.contracts import Plan, Planner
 from amorsim.core.errors import PlanError
 from amorsim.core.maps.map import Map
@@ -20,7 +21,6 @@ from amorsim.kernels.search.octile import FOUND, GOING_ON, expand_octile
 
 __all__ = ["CellPlanner", "Place", "are_joined", "free_ends", "poses_along", "why_unreachable"]
 
-Array = npt.NDArray[np.float64]
 Bytes = npt.NDArray[np.uint8]
 
 Place = tuple[float, float, float | None]

@@ -8,10 +8,10 @@ from typing import ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 import shapely
 
 from amorsim.algorithms.cells import check_map, free_cells, place_of
+from amorsim.arrays import Array
 from amorsim.contracts import Plan, Planner
 from amorsim.core.errors import PlanError
 from amorsim.core.maps.map import Map
@@ -22,7 +22,6 @@ from amorsim.planners.on_cells import are_joined, why_unreachable
 
 __all__ = ["Ends", "PosePlanner", "Query"]
 
-Array = npt.NDArray[np.float64]
 Pose = tuple[float, float, float]
 Ends = tuple[Pose, Pose]
 

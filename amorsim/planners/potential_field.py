@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.algorithms.cells import Cells, gaps_to_walls, place_of
+from amorsim.arrays import Array
 from amorsim.contracts import Plan
 from amorsim.core.errors import PlanError
 from amorsim.core.maps.map import Map
@@ -19,8 +19,6 @@ from amorsim.planners.grid_planner import Found, GridPlanner, octile_length
 from amorsim.planners.on_cells import are_joined, free_ends
 
 __all__ = ["Potential", "PotentialField"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True, eq=False)

@@ -6,16 +6,15 @@ import math
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.algorithms.cells import Cells
+from amorsim.arrays import Array
 from amorsim.core.parameters import parameter
 from amorsim.kernels.search.roadmap import search_roadmap, spread_places
 from amorsim.planners.sampling import Grown, SamplingPlanner
 
 __all__ = ["Prm"]
 
-Array = npt.NDArray[np.float64]
 
 _AT_A_TIME = 50  # places taken up, so that Ctrl-C is noticed
 _MOST_LINKS = 200_000

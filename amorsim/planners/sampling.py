@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.algorithms.cells import Cells, place_of
+from amorsim.arrays import Array
 from amorsim.contracts import Plan
 from amorsim.core.maps.cell_lines import placed
 from amorsim.core.maps.map import Map
@@ -21,8 +21,6 @@ from amorsim.kernels.search.any_angle import is_open_line
 from amorsim.planners.on_cells import CellPlanner, are_joined, free_ends, poses_along, why_unreachable
 
 __all__ = ["Grown", "SamplingPlanner"]
-
-Array = npt.NDArray[np.float64]
 
 
 class Grown(NamedTuple):

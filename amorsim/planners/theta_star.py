@@ -7,9 +7,9 @@ from typing import ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.algorithms.cells import Cells
+from amorsim.arrays import Ints32
 from amorsim.core.parameters import parameter
 from amorsim.kernels.search.any_angle import expand_any_angle
 from amorsim.planners.grid_planner import Found, GridPlanner, found_by, run_search
@@ -42,6 +42,6 @@ class ThetaStar(GridPlanner):
         return found_by(status, search, start, goal, lambda path: _length(path, cells.width))
 
 
-def _length(path: npt.NDArray[np.int32], width: int) -> float:
+def _length(path: Ints32, width: int) -> float:
     up, across = np.diff(path // width), np.diff(path % width)
     return math.fsum(np.sqrt((up * up + across * across).astype(np.float64)).tolist())

@@ -6,9 +6,9 @@ import math
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.algorithms.cells import Cells
+from amorsim.arrays import Array, Ints32
 from amorsim.core.parameters import parameter
 from amorsim.kernels.search.any_angle import is_open_line
 from amorsim.kernels.search.trees import Ground, Tree, connect, grow, improve, new_tree
@@ -16,7 +16,6 @@ from amorsim.planners.sampling import Grown, SamplingPlanner
 
 __all__ = ["Rrt", "RrtConnect", "RrtStar"]
 
-Array = npt.NDArray[np.float64]
 
 _AT_A_TIME = 500  # samples, so that Ctrl-C is noticed; an even number
 _STEPS = 20  # to cross the map, by the default
@@ -113,7 +112,7 @@ class RrtStar(_TreePlanner):
         return Grown(path, _places(tree), _links(tree))
 
 
-def _see_at_once(tree: Tree, ground: Ground, cells: Cells, ends: npt.NDArray[np.int32], state: Array) -> None:
+def _see_at_once(tree: Tree, ground: Ground, cells: Cells, ends: Ints32, state: Array) -> None:
     """Note that the root sees the goal, if it does."""
     line = (float(tree.x[0]), float(tree.y[0]), ground.goal_x, ground.goal_y)
     if is_open_line(cells.free, cells.width, *line):

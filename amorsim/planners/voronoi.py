@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.algorithms.cells import Cells, gaps_to_walls
+from amorsim.arrays import Ints32
 from amorsim.kernels.search.weighted import expand_priced
 from amorsim.planners.grid_planner import Found, GridPlanner, found_by, octile_length, run_search
 from amorsim.planners.on_cells import are_joined
@@ -37,7 +37,7 @@ class Voronoi(GridPlanner):
         return found_by(status, search, start, goal, lambda path: octile_length(path, cells.width))
 
 
-def _widest(cells: Cells, gaps: npt.NDArray[np.int32], start: int, goal: int) -> int | None:
+def _widest(cells: Cells, gaps: Ints32, start: int, goal: int) -> int | None:
     """The largest squared gap [cells^2] that some path from start to goal keeps; None without a path."""
     steps = np.unique(gaps[cells.free.view(np.bool_)])
     steps = steps[steps <= min(gaps[start], gaps[goal])]

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.algorithms.cells import Cells, place_of
+from amorsim.arrays import Array
 from amorsim.core.errors import PlanError
 from amorsim.core.maps.map import Map
 from amorsim.core.shapes import Shape
@@ -26,7 +26,7 @@ _AT_A_TIME = 100_000
 class Field:
     """The length of the shortest path to a goal from every cell of a map."""
 
-    to_go: npt.NDArray[np.float64]
+    to_go: Array
     """(rows, cols) [m], row 0 lowest; inf where no path leads to the goal, and in cells that are not free."""
     side: float
     """Side of a cell [m]."""

@@ -6,15 +6,13 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.text.decimals import EMPTY, EXACT, MISSING, NAME, SPAN, WIDEST, write_lines
 from amorsim.kernels.text.shortest import powers_of_ten
 
 __all__ = ["EXACT", "MISSING", "NAME", "NOTHING", "Columns", "Lines", "Printer", "Span"]
 
-Array = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 NOTHING = EMPTY
 """A column whose cells stay empty."""

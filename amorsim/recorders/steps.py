@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import AnyArray, Array, Ints
 from amorsim.contracts import Frame
 from amorsim.recorders.line_printer import Span
 
 __all__ = ["BodySteps", "RobotSteps", "Steps", "small_beliefs"]
 
-Array = npt.NDArray[np.float64]
 
 _NUMBERS = 1 << 17  # numbers of one group that are kept before they are written
 _MOST_STEPS = 512
@@ -36,7 +34,7 @@ class Steps:
         `(most, w)`: each line holds the quantities one after the other, each with the values of row 0 first.
     """
 
-    def __init__(self, names: Sequence[str], replicas: npt.NDArray[np.int64], sizes: Sequence[tuple[str, int]]) -> None:
+    def __init__(self, names: Sequence[str], replicas: Ints, sizes: Sequence[tuple[str, int]]) -> None:
         self.rows = len(names)
         self.texts = [*names, *map(str, replicas.tolist())]
         self.count = 0
@@ -62,7 +60,7 @@ class Steps:
 class BodySteps(Steps):
     """Steps of bodies of which only poses are written."""
 
-    def __init__(self, names: Sequence[str], replicas: npt.NDArray[np.int64]) -> None:
+    def __init__(self, names: Sequence[str], replicas: Ints) -> None:
         super().__init__(names, replicas, [("time", 1), ("true_pose", 3)])
 
     def add(self, time: Array, poses: Array) -> bool:
@@ -118,7 +116,7 @@ class RobotSteps(Steps):
 
     def add(self, frame: Frame) -> bool:
         """Keep a copy of a step; returns whether there is no room for another."""
-        whole: list[npt.NDArray[Any]] = [frame.time, frame.true_pose, frame.true_twist, frame.joint_rates]
+        whole: list[AnyArray] = [frame.time, frame.true_pose, frame.true_twist, frame.joint_rates]
         whole.append(frame.command)
         for estimate in frame.estimates.values():
             whole += estimate

@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Ints
 from amorsim.contracts import Frame, ObstacleFrame, Recorder, RunInfo
 from amorsim.core.errors import RunError
 from amorsim.core.poses import logarithm, relative
@@ -25,7 +25,6 @@ from amorsim.recorders.steps import BodySteps, RobotSteps, Steps, small_beliefs
 
 __all__ = ["Text"]
 
-Array = npt.NDArray[np.float64]
 
 _POSE = "true_x,true_y,true_heading,estimated_x,estimated_y,estimated_heading"
 _TWIST = "true_forward,true_left,true_turn,estimated_forward,estimated_left,estimated_turn"
@@ -39,7 +38,7 @@ class Page(NamedTuple):
     """Lines to be written to a file for one group: their steps and rows, and their columns."""
 
     steps: Steps
-    lines: npt.NDArray[np.int64]  # (n,), step * rows + row
+    lines: Ints  # (n,), step * rows + row
     columns: Columns
 
 

@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
+from amorsim.arrays import Bools
+
 __all__ = ["FINENESS", "Canvas"]
 
 FINENESS = 3
@@ -40,7 +42,7 @@ class Canvas:
         if right > left and bottom > top:
             self._image.paste(colour, (left, top, right, bottom))
 
-    def mask(self, dots: NDArray[np.bool_], place: tuple[float, float], colour: str) -> None:
+    def mask(self, dots: Bools, place: tuple[float, float], colour: str) -> None:
         """Colour the fine pixels that are true in `dots`, (rows, columns); `place` is their top left."""
         left, top = (round(edge * FINENESS) for edge in place)
         x0, y0, x1, y1 = (edge * FINENESS for edge in self.frame)

@@ -6,9 +6,10 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from PIL import Image, ImageDraw
 
+from amorsim.arrays import Bools
 from amorsim.core.arguments import whole
 from amorsim.core.maps.map import Map
 from amorsim.core.parameters import ParameterError
@@ -341,7 +342,7 @@ class Page:
         return in_words(self._bar), (left - 0.3 * self._line_height, y), "rm"
 
 
-def _thickened(pixels: NDArray[np.bool_], by: int) -> NDArray[np.bool_]:
+def _thickened(pixels: Bools, by: int) -> Bools:
     """The true pixels grown by a number of pixels along each axis, half of them on either side."""
     grown = pixels
     for axis in (0, 1):

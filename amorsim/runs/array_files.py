@@ -7,11 +7,10 @@ import math
 import zipfile
 import zlib
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import AnyArray
 from amorsim.core.errors import RunError
 from amorsim.core.files.reading import check_readable, reason
 
@@ -24,7 +23,7 @@ _HEADERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.r
 _BROKEN = (OSError, ValueError, EOFError, NotImplementedError, RuntimeError, zipfile.BadZipFile, zlib.error)
 
 
-def read_arrays(path: Path) -> dict[str, npt.NDArray[Any]]:
+def read_arrays(path: Path) -> dict[str, AnyArray]:
     """The arrays of a file by name, of numbers, flags and texts; the first axis is the row.
 
     Raises
@@ -69,7 +68,7 @@ def _parts(file: zipfile.ZipFile, path: Path) -> dict[str, zipfile.ZipInfo]:
     return {part.filename.removesuffix(".npy"): part for part in parts}
 
 
-def _array(data: bytes, name: str) -> npt.NDArray[Any]:
+def _array(data: bytes, name: str) -> AnyArray:
     """An array from the bytes of its file; the header may promise more than there is."""
     stream = io.BytesIO(data)
     version = np.lib.format.read_magic(stream)
@@ -80,7 +79,7 @@ def _array(data: bytes, name: str) -> npt.NDArray[Any]:
     if not shape or min(shape) < 0 or dtype.kind not in _KINDS or size != len(data) - stream.tell():
         raise ValueError(f"{name}: its header does not fit its content, or is not of an array with rows")
     stream.seek(0)
-    found: npt.NDArray[Any] = np.lib.format.read_array(stream, allow_pickle=False)
+    found: AnyArray = np.lib.format.read_array(stream, allow_pickle=False)
     return found
 
 

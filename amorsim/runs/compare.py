@@ -8,12 +8,12 @@ import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Any, TextIO
+from typing import TextIO
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import AnyArray
 from amorsim.core.errors import RunError
 from amorsim.runs.array_files import read_arrays, sizes_of
 from amorsim.runs.tables import LONGEST_LINE, check_file
@@ -118,7 +118,7 @@ def _array_difference(old: Path, new: Path, name: str, dt: float) -> Difference 
 
 
 def _first_number(
-    was: Mapping[str, npt.NDArray[Any]], now: Mapping[str, npt.NDArray[Any]], of: Callable[..., Difference]
+    was: Mapping[str, AnyArray], now: Mapping[str, AnyArray], of: Callable[..., Difference]
 ) -> Difference | None:
     """The first number that differs, and whether all that do are close; of arrays of the same names."""
     first: Difference | None = None

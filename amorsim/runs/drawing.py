@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from PIL import Image
 
+from amorsim.arrays import AnyArray, Array
 from amorsim.core.arguments import checked
 from amorsim.core.error_text import in_words
 from amorsim.core.errors import AmorsimError
@@ -21,14 +20,13 @@ from amorsim.simulation.simulation import Simulation
 
 __all__ = ["draw"]
 
-Array = npt.NDArray[np.float64]
 _POSES = ("true_pose", "estimated_pose")
 
 
 @checked
 def draw(
     what: Map | Scenario | Simulation,
-    kept: Mapping[str, npt.NDArray[Any]] | None = None,
+    kept: Mapping[str, AnyArray] | None = None,
     *,
     replica: int | None = None,
     size: int = 1000,
@@ -96,7 +94,7 @@ def _index_of(simulation: Simulation, replica: int | None) -> int:
     return simulation.replicas.index(replica)
 
 
-def _ways(simulation: Simulation, index: int, kept: Mapping[str, npt.NDArray[Any]], name: str) -> Array:
+def _ways(simulation: Simulation, index: int, kept: Mapping[str, AnyArray], name: str) -> Array:
     """The places `(T, M, 2)` [m] along the true or the estimated paths of a replica's robots."""
     robots = len(simulation.names)
     rows = robots * len(simulation.replicas)

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-import numpy.typing as npt
-
+from amorsim.arrays import Array
 from amorsim.render.animation import Shown
 from amorsim.runs.video_writer import Reel, shown_bodies
 from amorsim.simulation.simulation import Simulation
@@ -22,7 +20,7 @@ def bodies_in(simulation: Simulation) -> list[Shown]:
     return shown_bodies(bodies[: world.named], bodies[world.named :], scenario.robots, scenario.obstacles)
 
 
-def poses_in(simulation: Simulation, index: int) -> npt.NDArray[np.float64]:
+def poses_in(simulation: Simulation, index: int) -> Array:
     """Where they truly are `(B, 3)` in the replica of this index among those that are simulated."""
     world = simulation._fleet.world
     return world.poses[index * world.count : (index + 1) * world.count].copy()

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import AnyArray
 from amorsim.core.errors import RunError
 from amorsim.core.unknown_names import no_such
 
@@ -160,7 +160,7 @@ def read_header(path: Path, name: str, *, with_replicas: bool = False) -> tuple[
     return _header(path, iter([(1, [text])]), name, with_replicas), len(line)
 
 
-def read_columns(path: Path, name: str, *, with_replicas: bool = False) -> dict[str, npt.NDArray[Any]]:
+def read_columns(path: Path, name: str, *, with_replicas: bool = False) -> dict[str, AnyArray]:
     """The columns of a text file of a run: texts as objects, `replica` and `tick` whole, all others floats.
 
     An empty cell is nan. Of a file that is not one of amorsim's own, columns that are not numbers are texts.
@@ -181,7 +181,7 @@ def read_columns(path: Path, name: str, *, with_replicas: bool = False) -> dict[
     kind = _KINDS.get(name.partition("/")[0])
     blocks = _blocks(path)
     header = _header(path, blocks, name, with_replicas)
-    found: list[list[npt.NDArray[Any]]] = [[] for _ in header]
+    found: list[list[AnyArray]] = [[] for _ in header]
     texts: dict[str, str] = {}  # each once, however many lines have it
     for first, lines in blocks:
         cells = _split(path, first, lines, len(header))
@@ -289,7 +289,7 @@ def _split(path: Path, first: int, lines: list[str], count: int) -> list[str]:
 
 def _converted(
     path: Path, first: int, column: str, cells: list[str], kind: _Kind | None, name: str, texts: dict[str, str]
-) -> npt.NDArray[Any]:
+) -> AnyArray:
     """The cells of one column as an array; `first` is the number of their first line."""
 
     def damaged(place: int, expected: str) -> RunError:
@@ -319,7 +319,7 @@ def _converted(
     return values
 
 
-def _joined(parts: list[npt.NDArray[Any]], column: str, kind: _Kind | None) -> npt.NDArray[Any]:
+def _joined(parts: list[AnyArray], column: str, kind: _Kind | None) -> AnyArray:
     if not parts:
         return np.empty(0, dtype=object if column in _TEXTS else np.int64 if column in _WHOLES else np.float64)
     if kind is None and len({part.dtype for part in parts}) > 1:  # numbers first, and then something else
@@ -327,7 +327,7 @@ def _joined(parts: list[npt.NDArray[Any]], column: str, kind: _Kind | None) -> n
     return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
-def _texts(cells: list[str], known: dict[str, str]) -> npt.NDArray[Any]:
+def _texts(cells: list[str], known: dict[str, str]) -> AnyArray:
     found = np.empty(len(cells), dtype=object)
     found[:] = [known.setdefault(cell, cell) for cell in cells]
     return found

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Frame
 from amorsim.core.poses import compose
 from amorsim.core.shapes import Shape
@@ -18,7 +18,6 @@ from amorsim.simulation.simulation import Simulation
 
 __all__ = ["Traces", "collisions_of", "paths_at_start", "paths_of", "things_at_start", "things_of"]
 
-Array = npt.NDArray[np.float64]
 
 LARGEST = 2_000_000  # points kept, over all robots
 FEWEST = 1000  # of each robot, however many there are

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-import numpy as np
-import numpy.typing as npt
-
+from amorsim.arrays import Array
 from amorsim.core.errors import RunError
 from amorsim.core.files.reading import is_folder
 from amorsim.core.maps.map import Map
@@ -124,7 +122,7 @@ class Reel:
         except ParameterError as error:
             raise ParameterError("gif-size", error.problem) from None
 
-    def add(self, time: float, poses: npt.NDArray[np.float64]) -> None:
+    def add(self, time: float, poses: Array) -> None:
         """Take a frame: where the bodies are `(B, 3)` at a time [s]."""
         self.animation.add(time, poses)
 

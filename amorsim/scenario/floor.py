@@ -8,8 +8,8 @@ from collections.abc import Iterable
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import parameter
 from amorsim.core.parameters import ParameterError
 from amorsim.core.patches import DROP, Patch
@@ -19,7 +19,6 @@ from amorsim.scenario.pose import Pose
 
 __all__ = ["Drop", "Floor", "Marking"]
 
-Array = npt.NDArray[np.float64]
 
 _SHAPE, _POSE = "am.Shape.circle(0.2)", "am.Pose(x=1.0)"
 

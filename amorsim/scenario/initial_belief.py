@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import parameter
 from amorsim.core.parameters import ParameterError
 
@@ -56,7 +56,7 @@ class InitialBelief:
                 )
 
     @property
-    def matrix(self) -> npt.NDArray[np.float64]:
+    def matrix(self) -> Array:
         """The covariance (3, 3) of x, y and heading [m, m, rad]."""
         if self.covariance is None:
             return np.diag([self.std**2, self.std**2, self.heading_std**2])

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Noise
 from amorsim.core.arguments import whole
 from amorsim.core.error_text import RAISED
@@ -21,7 +21,7 @@ _LATE = 1e-9  # of a step: 0.3 s at 0.1 s are three of them, though 0.3 / 0.1 ne
 _WAITING = 32  # [bytes]: a value of a sample under way, true and measured, and both once more while a step is made
 
 
-def samples_under_way(longest: npt.NDArray[np.float64], dt: float) -> int:
+def samples_under_way(longest: Array, dt: float) -> int:
     """The largest number of samples of a sensor in transit at once, if each takes up to `(N, 1)` [s]."""
     return int(np.ceil(longest / dt - _LATE).max())
 

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Drive, Part
 from amorsim.core.poses import compose
 from amorsim.core.rows import stack
 from amorsim.scenario.spec import Pose
 
 __all__ = ["at_start", "parts_at"]
-
-Array = npt.NDArray[np.float64]
 
 
 def at_start(drive: Drive) -> Array:

@@ -14,8 +14,8 @@ from typing import Any
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Controller, Drive, Estimator, Motion, Mount, Noise, Recorder, Sensor, Task, parameter
 from amorsim.controllers.user import UserController
 from amorsim.core.arguments import is_list
@@ -338,7 +338,7 @@ class Zone:
     ground: tuple[NoiseElement, ...] = attrs.field(default=(), converter=_chain)
 
     @property
-    def outline(self) -> npt.NDArray[np.float64]:
+    def outline(self) -> Array:
         """Vertices [m] of its border in the world `(V, 2)`, anticlockwise."""
         c, s = math.cos(self.pose.heading), math.sin(self.pose.heading)
         x, y = self.shape.outline.T

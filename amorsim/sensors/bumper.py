@@ -11,17 +11,14 @@ from typing import ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.contracts import Aim, Draws, Drive, Mount, Sensor, SensorBinding, State, View, parameter
 from amorsim.core.parameters import ParameterError
 from amorsim.core.shapes import Shape
 
 __all__ = ["Bumper", "Sector"]
 
-Array = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
-Bools = npt.NDArray[np.bool_]
 Point = tuple[float, float]
 _NOTHING: Mapping[str, Array] = types.MappingProxyType({})
 # Outlines replace arcs by chords. A chord deviates from its arc by at most 1 - cos(pi / 64) of the radius.

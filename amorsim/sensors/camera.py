@@ -10,9 +10,9 @@ from typing import ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 from PIL import ImageColor
 
+from amorsim.arrays import Array, Ints
 from amorsim.contracts import Aim, Context, Draws, Drive, Sensor, State, View, parameter
 from amorsim.core.parameters import ParameterError
 from amorsim.core.poses import compose, wrap_angle
@@ -21,8 +21,6 @@ from amorsim.sensors.slots import table_of
 
 __all__ = ["Camera"]
 
-Array = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 _COLUMNS: Mapping[str, str] = types.MappingProxyType(
     {"colour": "id", "left": "px", "right": "px", "top": "px", "bottom": "px", "range": "m", "bearing": "rad"}
 )

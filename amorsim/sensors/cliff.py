@@ -8,15 +8,14 @@ from typing import ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Aim, Draws, Drive, Mount, Sensor, State, View, parameter
 from amorsim.core.parameters import ParameterError
 from amorsim.sensors.response import ring_poses, ring_size
 
 __all__ = ["Cliff"]
 
-Array = npt.NDArray[np.float64]
 _NOTHING: Mapping[str, Array] = types.MappingProxyType({})
 
 

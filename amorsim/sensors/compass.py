@@ -9,14 +9,13 @@ from typing import ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Aim, Draws, Drive, Sensor, SensorBinding, State, View
 from amorsim.kernels.sensing import readings
 
 __all__ = ["Compass"]
 
-Array = npt.NDArray[np.float64]
 _NOTHING: Mapping[str, Array] = types.MappingProxyType({})
 
 

@@ -10,15 +10,14 @@ from typing import Any, ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Aim, Draws, Drive, Sensor, SensorBinding, State, View, parameter
 from amorsim.core.parameters import ParameterError
 from amorsim.kernels.sensing import readings
 
 __all__ = ["Encoder"]
 
-Array = npt.NDArray[np.float64]
 _NOTHING: Mapping[str, Array] = types.MappingProxyType({})
 _TURN = 2.0 * math.pi
 

@@ -9,14 +9,13 @@ from typing import Any, ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Aim, Draws, Drive, Sensor, State, View, parameter
 from amorsim.sensors.slots import table_of
 
 __all__ = ["Fiducial"]
 
-Array = npt.NDArray[np.float64]
 _COLUMNS: Mapping[str, str] = types.MappingProxyType({"range": "m", "bearing": "rad", "id": "id"})
 
 

@@ -8,14 +8,13 @@ from typing import ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Aim, Draws, Drive, Sensor, State, View, parameter
 from amorsim.kernels.sensing import readings
 
 __all__ = ["Gps"]
 
-Array = npt.NDArray[np.float64]
 _NOTHING: Mapping[str, Array] = types.MappingProxyType({})
 _PLACE: Mapping[str, str] = types.MappingProxyType({"x": "m", "y": "m"})
 _POSE: Mapping[str, str] = types.MappingProxyType({"x": "m", "y": "m", "heading": "rad"})

@@ -9,13 +9,12 @@ from typing import ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Aim, Draws, Drive, Sensor, SensorBinding, State, View
 
 __all__ = ["Gyro"]
 
-Array = npt.NDArray[np.float64]
 _NOTHING: Mapping[str, Array] = types.MappingProxyType({})
 
 

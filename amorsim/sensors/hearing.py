@@ -7,15 +7,13 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.contracts import Emissions, View
 from amorsim.kernels.sensing import acoustics, earshot
 
 __all__ = ["SOUND", "bind_hearing"]
 
-Array = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 SOUND = 343.0
 """Speed of sound [m/s] in dry air of 20 °C."""
@@ -119,7 +117,7 @@ def _sounds(
         room = count
 
 
-def _are_free(view: View, lines: acoustics.Lines) -> npt.NDArray[np.bool_]:
+def _are_free(view: View, lines: acoustics.Lines) -> Bools:
     """Which lines `(P,)` no wall and no body blocks, other than the emitter's carrier.
 
     Bodies are compared by number, not by place: an emitter at the rim of its carrier is as far away as the rim, up to

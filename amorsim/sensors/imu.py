@@ -8,14 +8,13 @@ from typing import ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Aim, Context, Draws, Drive, Sensor, State, View
 from amorsim.kernels.sensing import readings
 
 __all__ = ["Imu"]
 
-Array = npt.NDArray[np.float64]
 _NOTHING: Mapping[str, Array] = types.MappingProxyType({})
 _COLUMNS: Mapping[str, str] = types.MappingProxyType({"ahead": "m/s^2", "left": "m/s^2", "turn": "rad/s"})
 

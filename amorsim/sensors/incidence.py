@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Ints
 from amorsim.contracts import Directions, View
 from amorsim.core.poses import wrap_angle
 from amorsim.kernels.sensing import slopes
 
 __all__ = ["PATCH", "bind_incidence", "bind_nearest_incidence"]
 
-Array = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 PATCH = 0.05
 """[m] to either side of a beam at which a wall is probed.

@@ -10,8 +10,8 @@ from typing import Any, ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Aim, Draws, Drive, Mount, Sensor, SensorBinding, State, View, parameter
 from amorsim.core.execution.workers import in_turn
 from amorsim.core.parameters import ParameterError
@@ -20,7 +20,6 @@ from amorsim.sensors.response import check_table, ring_poses
 
 __all__ = ["Infrared"]
 
-Array = npt.NDArray[np.float64]
 _NOTHING: Mapping[str, Array] = types.MappingProxyType({})
 
 

@@ -9,8 +9,8 @@ from typing import Any, ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Aim, Directions, Draws, Drive, Sensor, SensorBinding, Side, State, View, parameter
 from amorsim.core.execution.workers import at_first_call, in_turn
 from amorsim.core.parameters import ParameterError
@@ -21,7 +21,6 @@ from amorsim.sensors.sweep import poses_at
 
 __all__ = ["Laser"]
 
-Array = npt.NDArray[np.float64]
 _FULL_CIRCLE = 2.0 * math.pi - 1e-9  # [rad] from this field of view on, the last beam would fall on the first
 
 

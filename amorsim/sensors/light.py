@@ -9,8 +9,8 @@ from typing import Any, ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Aim, Draws, Drive, Mount, Sensor, State, View, parameter
 from amorsim.core.parameters import ParameterError
 from amorsim.core.poses import wrap_angle
@@ -19,7 +19,6 @@ from amorsim.sensors.response import ring_poses
 
 __all__ = ["Light"]
 
-Array = npt.NDArray[np.float64]
 _MOST_RAYS = 100_000  # towards lamps at once
 _NOTHING: Mapping[str, Array] = types.MappingProxyType({})
 

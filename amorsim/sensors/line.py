@@ -9,15 +9,14 @@ from typing import ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Aim, Draws, Drive, Mount, Sensor, State, View, parameter
 from amorsim.core.parameters import ParameterError
 from amorsim.sensors.response import ring_poses, ring_size
 
 __all__ = ["Line"]
 
-Array = npt.NDArray[np.float64]
 _NOTHING: Mapping[str, Array] = types.MappingProxyType({})
 
 # Sample points in a spot of radius 1: along a spiral, so that each point stands for an equal area.

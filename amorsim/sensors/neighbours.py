@@ -8,15 +8,14 @@ from typing import Any, ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Aim, Draws, Drive, Sensor, State, View, parameter
 from amorsim.kernels.sensing.heard import Senders, hear_nearest
 from amorsim.sensors.slots import table_of
 
 __all__ = ["Neighbours"]
 
-Array = npt.NDArray[np.float64]
 _COLUMNS: Mapping[str, str] = types.MappingProxyType(
     {"range": "m", "x": "m", "y": "m", "vx": "m/s", "vy": "m/s", "radius": "m"}
 )

@@ -6,16 +6,14 @@ import itertools
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Aim, View
 from amorsim.core.parameters import ParameterError
 from amorsim.kernels.sensing import readings
 from amorsim.sensors.sweep import poses_at
 
 __all__ = ["check_table", "ring_poses", "ring_size"]
-
-Array = npt.NDArray[np.float64]
 
 
 def check_table(distances: tuple[float, ...], values: tuple[float, ...], names: tuple[str, str]) -> None:

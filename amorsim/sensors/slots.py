@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts.side import Side
 
 __all__ = ["table_of"]
-
-Array = npt.NDArray[np.float64]
 
 
 def table_of(values: Array, range_: int, empty: tuple[float, ...]) -> tuple[Array, Side]:

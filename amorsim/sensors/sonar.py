@@ -9,8 +9,8 @@ from typing import Any, ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Aim, Draws, Drive, Emission, Mount, Sensor, SensorBinding, Side, State, View, parameter
 from amorsim.core.execution.workers import at_first_call, in_turn
 from amorsim.core.parameters import ParameterError
@@ -20,8 +20,6 @@ from amorsim.sensors.incidence import bind_nearest_incidence
 from amorsim.sensors.response import ring_poses
 
 __all__ = ["Sonar"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True)

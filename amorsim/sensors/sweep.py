@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.core.poses import compose, exponential, relative
 
 __all__ = ["poses_at"]
-
-Array = npt.NDArray[np.float64]
 
 
 def poses_at(body_pose: Array, twist: Array, poses: Array, time: Array) -> Array:

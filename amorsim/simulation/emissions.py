@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.contracts import Emission
 from amorsim.core.error_text import RAISED
@@ -15,8 +14,6 @@ from amorsim.simulation.sensing.device import Device
 from amorsim.simulation.world.world import Emitted, World
 
 __all__ = ["bind_emitters", "emission_problem"]
-
-Ints = npt.NDArray[np.int64]
 
 
 def bind_emitters(groups: Sequence[Group], world: World) -> Callable[[], None]:

@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from typing import Any, Concatenate, NoReturn, ParamSpec, Protocol, TypeVar
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Controller
 from amorsim.core.error_text import RAISED, error_in_words
 from amorsim.core.errors import AmorsimError, ComponentError, ControllerError
@@ -70,7 +70,7 @@ class ErrorContext:
         """The error for an invalid return value; `problem` is what is wrong, and what to return."""
         return ComponentError(f"{_named(what, component)} of {self._all()} at {self._time()}: {problem}")
 
-    def not_finite(self, what: str, component: Any, numbers: str, values: npt.NDArray[np.float64]) -> ComponentError:
+    def not_finite(self, what: str, component: Any, numbers: str, values: Array) -> ComponentError:
         """The error for numbers `(N, ...)` with nan or inf in some row; `numbers` is what they are, in words."""
         rows = np.isfinite(values.reshape(len(values), -1)).all(axis=1)
         row = int(np.flatnonzero(~rows)[0])
@@ -116,7 +116,7 @@ def array_problem(array: Any, what: str, shape: tuple[int, ...], by: str = "") -
     return ""
 
 
-def is_finite(array: npt.NDArray[np.float64]) -> bool:
+def is_finite(array: Array) -> bool:
     """Whether all numbers are finite."""
     return all_finite(np.asarray(array, dtype=np.float64).ravel())
 

@@ -11,6 +11,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import AnyArray, Array
 from amorsim.contracts import Beliefs, Context, Estimate, Estimator, Frame, LazyBeliefs, Measurement
 from amorsim.core.arguments import check_kind, whole
 from amorsim.core.error_text import in_words
@@ -34,7 +35,6 @@ from amorsim.worlds.drawn import map_of
 
 __all__ = ["EstimatorRunner"]
 
-Array = npt.NDArray[np.float64]
 
 _GRID = 1e-6  # of a step: times that are as near to a multiple of it are that multiple
 
@@ -196,7 +196,7 @@ class EstimatorRunner:
         """
         found, tick = self._estimators.beliefs_of(self._name), self._tick
 
-        def look_up(name: str) -> npt.NDArray[Any]:
+        def look_up(name: str) -> AnyArray:
             if self._tick != tick:
                 raise AmorsimError(
                     f"{self._who}: {name!r} is of an earlier update; take it from beliefs before the next"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.contracts import Estimate, Measurement, RobotModel
 from amorsim.contracts.joints import joints_of
 from amorsim.controllers.abilities import command_along
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Known", "ObstacleHandle", "Reading", "Readings", "RobotHandle", "finite_numbers"]
 
-Array = npt.NDArray[np.float64]
 
 _NUMBER = (int, float, np.integer, np.floating)
 
@@ -36,9 +36,9 @@ class Reading(NamedTuple):
 
     true: Array
     measured: Array
-    stamp: npt.NDArray[np.int64]  # the tick of both
+    stamp: Ints  # the tick of both
     age: Array  # [s]
-    fresh: npt.NDArray[np.bool_]
+    fresh: Bools
 
 
 class Known(NamedTuple):

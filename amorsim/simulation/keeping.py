@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Protocol
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import AnyArray, Bools
 from amorsim.contracts import Beliefs, Frame
 from amorsim.core.arguments import texts
 from amorsim.core.errors import AmorsimError
@@ -16,8 +16,7 @@ from amorsim.core.unknown_names import no_such
 
 __all__ = ["LAST", "Keeper", "quantity_problem"]
 
-Array = npt.NDArray[Any]
-Pick = Callable[[Frame], Array | None]
+Pick = Callable[[Frame], AnyArray | None]
 
 _OWN = ("true_pose", "estimated_pose", "covariance", "active", "by_hand", "touching")
 _OF_FRAME = ("true_twist", "joint_rates", "command", "part_pose")
@@ -74,7 +73,7 @@ class Keeper:
         self._count = 0
         self._names = tuple(dict.fromkeys(texts(names, "keep", "names")))
         self._every = [name for name in self._names if not name.startswith(LAST)]
-        self._last: dict[str, Array] = {}
+        self._last: dict[str, AnyArray] = {}
         self._picks = {
             name: _pick(simulation, name)
             for name in dict.fromkeys(each.removeprefix(LAST) for each in self._names)
@@ -95,7 +94,7 @@ class Keeper:
             self._arrays[name][self._count] = array
         self._count += 1
 
-    def keep_last(self, ended: npt.NDArray[np.bool_] | None = None) -> None:
+    def keep_last(self, ended: Bools | None = None) -> None:
         """Keep the present step as the last one: of the replicas `ended` `(R,)`, or of all."""
         wanted = [name.removeprefix(LAST) for name in self._names if name.startswith(LAST)]
         for name, array in self._look(wanted).items():
@@ -105,11 +104,11 @@ class Keeper:
                 whole[0, rows] = array[rows]
 
     @property
-    def arrays(self) -> dict[str, Array]:
+    def arrays(self) -> dict[str, AnyArray]:
         """The values kept so far, by name: arrays whose first axis is the step."""
         return {name: array[: self._count] for name, array in self._arrays.items()} | self._last
 
-    def _look(self, names: Sequence[str]) -> dict[str, Array]:
+    def _look(self, names: Sequence[str]) -> dict[str, AnyArray]:
         simulation = self._simulation
         beliefs: dict[str, list[str]] = {}  # that are wanted, by whose they are
         for name in names:
@@ -126,7 +125,7 @@ class Keeper:
         }
 
 
-def _whole(simulation: Simulated, frames: Sequence[Frame], pick: Pick) -> Array:
+def _whole(simulation: Simulated, frames: Sequence[Frame], pick: Pick) -> AnyArray:
     """A quantity of all rows, from the frames of the groups of robots that are alike."""
     if len(frames) == 1:
         found = pick(frames[0])
@@ -195,7 +194,7 @@ def _expect(name: str, part: str, known: Iterable[str], what: str) -> None:
         raise AmorsimError(f"keep: {name!r}: {no_such(what, part, known)}")
 
 
-def _reading(frame: Frame, sensor: str, what: str) -> Array | None:
+def _reading(frame: Frame, sensor: str, what: str) -> AnyArray | None:
     if sensor not in frame.readings:
         return None
     true, reading = frame.readings[sensor]
@@ -207,5 +206,5 @@ def _some(frame: Frame, wanted: Mapping[str, list[str]]) -> dict[str, Beliefs]:
     return {whose: frame.some_beliefs(whose, names) for whose, names in wanted.items() if whose in frame.beliefs}
 
 
-def _belief(beliefs: Mapping[str, Mapping[str, Array]], estimator: str, what: str) -> Array | None:
+def _belief(beliefs: Mapping[str, Mapping[str, AnyArray]], estimator: str, what: str) -> AnyArray | None:
     return beliefs[estimator].get(what) if estimator in beliefs else None

@@ -6,9 +6,9 @@ import collections
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 import shapely
 
+from amorsim.arrays import Bools
 from amorsim.contracts import Controller, Motion
 from amorsim.core.errors import ComponentError, MapError
 from amorsim.core.maps.connectivity import shut_off
@@ -25,7 +25,6 @@ __all__ = ["REPLICAS", "advice"]
 REPLICAS = 4
 """The replicas whose maps are looked at where they have different ones."""
 
-Bools = npt.NDArray[np.bool_]
 
 _MOST = 3  # places of one body that are reported
 _TURN = np.arange(32) * (np.pi / 16.0)

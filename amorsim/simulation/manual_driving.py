@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts.joints import joints_of
 from amorsim.controllers.abilities import command_along
 from amorsim.controllers.manual import limited
@@ -17,8 +17,6 @@ from amorsim.core.unknown_names import no_such
 from amorsim.simulation.fleet.fleet import Fleet
 
 __all__ = ["drive_all"]
-
-Array = npt.NDArray[np.float64]
 
 
 def drive_all(fleet: Fleet, name: str, forward: Any, left: Any, turn: Any) -> None:

@@ -10,6 +10,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Draws, Noise, State
 from amorsim.core.arguments import check_kind, checked, whole
 from amorsim.core.errors import AmorsimError
@@ -20,8 +21,6 @@ from amorsim.simulation.simulation import Simulation
 from amorsim.simulation.state.snapshot import copy_state
 
 __all__ = ["KeptStages", "Stage", "keep_stages"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True, eq=False)

@@ -6,8 +6,8 @@ import functools
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.core.errors import AmorsimError
 from amorsim.simulation.contact.contact_ends import still_near
 from amorsim.simulation.contact.resolve import WALL, Contact
@@ -17,8 +17,6 @@ from amorsim.simulation.fleet.fleet import Fleet
 from amorsim.simulation.fleet.group import Group
 from amorsim.simulation.fleet.obstacles import ObstacleGroup
 from amorsim.simulation.schedule import Call, walk
-
-Array = npt.NDArray[np.float64]
 
 NO_PAIRS: frozenset[tuple[int, int]] = frozenset()
 

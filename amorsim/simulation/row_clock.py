@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Ints
 from amorsim.contracts import Clock
 from amorsim.kernels.clock import advance_clocks
 
@@ -16,7 +16,7 @@ class RowClock:
 
     __slots__ = ("always", "counter", "dt", "elapsed", "now", "replica", "step", "tick", "time")
 
-    def __init__(self, replica: npt.NDArray[np.int64], dt: float) -> None:
+    def __init__(self, replica: Ints, dt: float) -> None:
         self.replica = replica
         self.dt = dt
         self.always = np.ones((len(replica), 1), dtype=bool)
@@ -33,7 +33,7 @@ class RowClock:
         """The time for components, in copies."""
         return Clock(tick=self.tick.copy(), time=self.time.copy(), dt=self.dt)
 
-    def set_tick(self, tick: npt.NDArray[np.int64]) -> None:
+    def set_tick(self, tick: Ints) -> None:
         """Put every row to its tick `(N, 1)`."""
         self.tick[...] = tick - 1
         self.advance()
@@ -44,6 +44,6 @@ class RowClock:
         advance_clocks(self.tick, self.dt, self.time, self.counter)
         self.elapsed = self.step
 
-    def set_episode(self, episode: npt.NDArray[np.int64]) -> None:
+    def set_episode(self, episode: Ints) -> None:
         """Put every row to its episode `(N,)`."""
         self.counter[:, 1] = episode

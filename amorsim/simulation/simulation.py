@@ -8,6 +8,7 @@ from typing import Annotated, Any, overload
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import AnyArray, Array, Bools, Ints
 from amorsim.contracts import Frame, ObstacleFrame, TrueState
 from amorsim.core.arguments import check_kind, checked, real, whole
 from amorsim.core.display import in_notebook
@@ -45,9 +46,6 @@ from amorsim.simulation.world.occupancy import occupancy
 from amorsim.simulation.world.terrain import Terrains
 
 __all__ = ["MAX_REPLICA", "MOST_STEPS", "Simulation"]
-
-Array = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 
 class Simulation:
@@ -188,11 +186,11 @@ class Simulation:
     @overload
     def run(
         self, duration: float | None = None, *, keep: Iterable[str], progress: bool = True
-    ) -> dict[str, npt.NDArray[Any]]: ...
+    ) -> dict[str, AnyArray]: ...
 
     def run(
         self, duration: float | None = None, *, keep: Iterable[str] | None = None, progress: bool = True
-    ) -> dict[str, npt.NDArray[Any]] | None:
+    ) -> dict[str, AnyArray] | None:
         """Step for `duration` [s]; without it, for the scenario's duration.
 
         Ctrl-C, or the stop of a notebook, raises `KeyboardInterrupt` after the present step, so `run` can go on from
@@ -304,17 +302,17 @@ class Simulation:
         return gathered(self._fleet, lambda group: group.estimate.covariance)
 
     @property
-    def active(self) -> npt.NDArray[np.bool_]:
+    def active(self) -> Bools:
         """Whether each robot's controller has not ended, `(N,)`."""
         return gathered(self._fleet, lambda group: group.driver.active)[:, 0]
 
     @property
-    def by_hand(self) -> npt.NDArray[np.bool_]:
+    def by_hand(self) -> Bools:
         """Whether each robot was handed over and is driven from outside, `(N,)`."""
         return gathered(self._fleet, lambda group: group.driver.by_hand)[:, 0]
 
     @property
-    def touching(self) -> npt.NDArray[np.bool_]:
+    def touching(self) -> Bools:
         """Whether each robot touched something in the last step while still moving towards it, `(N,)`."""
         return touching_robots(self._fleet)
 

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.controllers.manual import Manual
 from amorsim.core.errors import AmorsimError
 from amorsim.core.poses import compose, relative
@@ -25,8 +25,6 @@ from amorsim.studies.bench import (
 )
 
 __all__ = ["Attribution", "Case", "attribute_errors"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True, eq=False)

@@ -13,10 +13,10 @@ from typing import Any, ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.algorithms.intervals import Interval, mean_interval
 from amorsim.algorithms.least_squares import linear_fit
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.contracts import Draws, Drive, Joint, State
 from amorsim.controllers.manual import Manual
 from amorsim.core.errors import AmorsimError, did_you_mean
@@ -29,7 +29,6 @@ from amorsim.studies.bench import alone, chosen_robot, empty_world, with_known_p
 
 __all__ = ["RangeCalibration", "calibrate_compass", "calibrate_gyro", "calibrate_range"]
 
-Array = npt.NDArray[np.float64]
 
 _STILL = 10.0  # [s] that a gyro stands still, and turns at each rate
 _RATES = (0.5, -0.5, 1.0, -1.0)  # [rad/s]
@@ -111,7 +110,7 @@ def _on_bench(scenario: Scenario, robot: str | None, sensor: str) -> Robot:
 
 def _watch(
     simulation: Simulation, sensor: str, steps: int, rate: Callable[[float], float], element: int = 0
-) -> tuple[Array, Array, npt.NDArray[np.int64]]:
+) -> tuple[Array, Array, Ints]:
     """What a sensor measured while it was turned at `rate` (rad/s), a function of the time [s].
 
     Returns one element of the readings that the runs held after each step `(T, R)`; the true poses of all ticks
@@ -136,7 +135,7 @@ def _wait(simulation: Simulation, sensor: str) -> float:
     return unit.latency + max(simulation.dt, 1.0 / unit.rate if unit.rate else 0.0)
 
 
-def _check_readings(sensor: str, values: Array | npt.NDArray[np.int64], least: int) -> None:
+def _check_readings(sensor: str, values: Array | Ints, least: int) -> None:
     """Raise an `AmorsimError` unless so many of the values that a run has readings of are different."""
     if len(np.unique(values)) < least:
         raise AmorsimError(f"sensor {sensor!r}: too few readings came in; its rate is too low, or its latency too long")
@@ -302,7 +301,7 @@ def _is_range_sensor(device: Any) -> bool:
     return getattr(device, "range_max", None) is not None and device.bearings() is not None
 
 
-def _spread(true: float, readings: Array, is_new: npt.NDArray[np.bool_], name: str) -> RangeCalibration:
+def _spread(true: float, readings: Array, is_new: Bools, name: str) -> RangeCalibration:
     """Bias and standard deviation of the new readings `(T, R)` of one distance."""
     returned = is_new & np.isfinite(readings)
     counts = returned.sum(axis=0)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.controllers.square import Square
 from amorsim.core.errors import AmorsimError
 from amorsim.core.poses import wrap_angle
@@ -15,7 +15,6 @@ from amorsim.studies.bench import alone, empty_world, only_odometry, with_known_
 
 __all__ = ["SquarePreview", "preview_noise", "preview_square"]
 
-Array = npt.NDArray[np.float64]
 
 _SPEED = 0.5  # [m/s] of the square's driver
 

@@ -6,8 +6,8 @@ import math
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools
 from amorsim.controllers.manual import Manual
 from amorsim.core.errors import AmorsimError
 from amorsim.core.poses import wrap_angle
@@ -18,7 +18,6 @@ from amorsim.studies.bench import chosen_robot
 
 __all__ = ["ReadingAttribution", "ReadingCase", "attribute_readings"]
 
-Array = npt.NDArray[np.float64]
 
 LARGEST = 40_000_000  # numbers of the readings that are held at once, 8 bytes each
 STEPS_MOST = 2000  # whose readings are looked at
@@ -210,6 +209,6 @@ def _case(name: str, error: Array, whole: Array) -> ReadingCase:
     )
 
 
-def _root_mean_square(error: Array, which: npt.NDArray[np.bool_]) -> float:
+def _root_mean_square(error: Array, which: Bools) -> float:
     count = int(which.sum())
     return math.sqrt(float(np.sum(np.where(which, error, 0.0) ** 2)) / count) if count else 0.0

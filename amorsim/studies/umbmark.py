@@ -9,7 +9,6 @@ from typing import Any
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.algorithms.umbmark import (
     ExactFit,
@@ -19,6 +18,7 @@ from amorsim.algorithms.umbmark import (
     published_figures,
     systematic_error,
 )
+from amorsim.arrays import Array
 from amorsim.controllers.square import Square
 from amorsim.core.errors import AmorsimError
 from amorsim.core.poses import compose, relative
@@ -30,7 +30,6 @@ from amorsim.studies.bench import alone, chosen_robot, empty_world, only_odometr
 
 __all__ = ["SPEED_MAX", "Squares", "Umbmark", "corrected_scenario", "drive_squares", "fit_squares", "umbmark"]
 
-Array = npt.NDArray[np.float64]
 
 SPEED_MAX = 0.2  # [m/s] the method's own: faster, wheels slip, and random errors hide the systematic ones
 _STANDS = 1e-6  # [rad/s] slower wheels stand: motors with a lag come to rest only in the limit

@@ -9,12 +9,11 @@ import signal
 import threading
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import AnyArray, Array, Bools, Ints
 from amorsim.contracts import Episode
 from amorsim.core.arguments import texts
 from amorsim.core.error_text import RAISED, error_in_words
@@ -40,8 +39,6 @@ __all__ = [
     "simulation_of",
     "with_metrics",
 ]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True)
@@ -185,7 +182,7 @@ def _run(plan: Plan, chunk: Chunk, folder: str) -> Outcome:
 
 def _simulate(
     simulation: Simulation, keeper: Keeper, steps: int, stop: str, session: RunSession | None
-) -> tuple[npt.NDArray[np.int64], list[str]]:
+) -> tuple[Ints, list[str]]:
     """The step at which each replica ended, and its digest then."""
     replicas = simulation.replicas
     ends = np.full(len(replicas), steps)
@@ -225,7 +222,7 @@ class _Collided:
         self._seen = 0
         self._places = {replica: row for row, replica in enumerate(simulation.replicas)}
 
-    def look(self) -> npt.NDArray[np.bool_]:
+    def look(self) -> Bools:
         """Those of the last step `(R,)`."""
         found = np.zeros(len(self._places), dtype=bool)
         for event in self._simulation.events[self._seen :]:
@@ -245,7 +242,7 @@ class _Still:
         self._has_moved = np.zeros(len(simulation.replicas), dtype=bool)
         self._steps = np.zeros(len(simulation.replicas), dtype=np.int64)
 
-    def look(self) -> npt.NDArray[np.bool_]:
+    def look(self) -> Bools:
         """Those that are still by now `(R,)`."""
         poses = self._simulation.true_pose
         moves = (np.abs(poses - self._poses) > _STANDS).reshape(len(self._steps), -1).any(axis=1)
@@ -262,10 +259,10 @@ _ENDED: Mapping[str, type[_Collided] | type[_Still]] = {"collision": _Collided, 
 
 def episode_at(
     simulation: Simulation,
-    arrays: Mapping[str, npt.NDArray[Any]],
+    arrays: Mapping[str, AnyArray],
     needs: Sequence[str],
     robot: str,
-    rows: npt.NDArray[np.int64],
+    rows: Ints,
     end: int,
 ) -> Episode:
     """A metric's view of a robot in some replicas, from the start to the step at which they ended.

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import AnyArray, Array
 from amorsim.core.arguments import checked, path_of
 from amorsim.core.display import in_notebook
 from amorsim.core.errors import StudyError
@@ -32,7 +32,7 @@ _WHOLE = ("point", "seed", "replica")
 _TEXT = ("digest", "error")
 
 
-class Study(dict[str, npt.NDArray[Any]]):
+class Study(dict[str, AnyArray]):
     """The table of a study, as a dict of arrays `(rows,)`, a row for each point, seed and replica.
 
     Its columns are ``point``, the axes, ``seed``, ``replica``, the metrics, ``digest`` and ``error``. Where a point
@@ -47,7 +47,7 @@ class Study(dict[str, npt.NDArray[Any]]):
     """
 
     @checked
-    def __init__(self, folder: Path, about: dict[str, Any], columns: dict[str, npt.NDArray[Any]]) -> None:
+    def __init__(self, folder: Path, about: dict[str, Any], columns: dict[str, AnyArray]) -> None:
         super().__init__(columns)
         self.folder = folder
         self.about = about
@@ -130,13 +130,13 @@ def read_study(folder: str | os.PathLike[str]) -> Study:
     return Study(folder, about, arrays)
 
 
-def counted(mean: str, values: npt.NDArray[np.float64]) -> str:
+def counted(mean: str, values: Array) -> str:
     """A mean as text, with the number of values `(n,)` that it is of, if some are nan: ``9.433 (7 of 20)``."""
     count = int(np.count_nonzero(~np.isnan(values)))
     return mean if count == len(values) else f"{mean} ({count} of {len(values)})"
 
 
-def _as_array(values: Sequence[Any], kind: str) -> npt.NDArray[Any]:
+def _as_array(values: Sequence[Any], kind: str) -> AnyArray:
     if kind == "text":
         if not all(isinstance(value, str) for value in values):
             raise ValueError("expected texts")

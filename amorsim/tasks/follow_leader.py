@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Draws, Observable, RobotModel, State, StepOutcome, Task, TrueState, parameter
 from amorsim.core.errors import ComponentError
 from amorsim.tasks.observed import beams_of, sensor_of, with_ranges
 
 __all__ = ["FollowLeader"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True)

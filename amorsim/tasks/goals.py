@@ -9,14 +9,12 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools
 from amorsim.core.maps.free_places import free_places
 from amorsim.core.maps.map import Map
 from amorsim.kernels.search.field import new_wave, spread
 
 __all__ = ["goal_within"]
-
-Array = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
 
 
 class _Lattice(NamedTuple):

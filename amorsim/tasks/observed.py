@@ -5,15 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Observable, RobotModel
 from amorsim.core.errors import ComponentError, did_you_mean
 from amorsim.kernels.sensing.readings import shares_of_range
 
 __all__ = ["beams_of", "from_robot", "sensor_of", "with_ranges"]
-
-Array = npt.NDArray[np.float64]
 
 
 def sensor_of(who: str, robot: RobotModel, name: str, kind: str) -> Any:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Draws, Observable, RobotModel, State, StepOutcome, Task, TrueState, parameter
 from amorsim.contracts.joints import joints_of
 from amorsim.core.errors import ComponentError
@@ -16,7 +16,6 @@ from amorsim.tasks.observed import beams_of, from_robot, with_ranges
 
 __all__ = ["Park"]
 
-Array = npt.NDArray[np.float64]
 
 _FARTHEST = 40.0  # [m] that is observed
 

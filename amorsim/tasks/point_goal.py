@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Draws, Observable, RobotModel, State, StepOutcome, Task, TrueState, parameter
 from amorsim.kernels.sensing.readings import range_and_bearing
 from amorsim.tasks.goals import goal_within
 from amorsim.tasks.observed import beams_of, with_ranges
 
 __all__ = ["PointGoal"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True)

@@ -8,8 +8,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import AnyArray, Array
 from amorsim.contracts import (
     Aim,
     Context,
@@ -34,8 +34,7 @@ from amorsim.testing.rig import DT, ROWS, STEPS, Rig, Session, bent
 
 __all__ = ["check_bound"]
 
-Array = npt.NDArray[np.float64]
-Arrays = dict[str, npt.NDArray[Any]]
+Arrays = dict[str, AnyArray]
 
 
 Fire = Callable[[Any, Session, State], object]
@@ -75,7 +74,7 @@ def _compare(who: Who, simple: _Form, bound: _Form) -> None:
                 _require_same(who, f"state[{name!r}] after step {t}", array, bound.state[name])
 
 
-def _require_same(who: Who, what: str, expected: npt.NDArray[Any], found: npt.NDArray[Any]) -> None:
+def _require_same(who: Who, what: str, expected: AnyArray, found: AnyArray) -> None:
     if expected.tobytes() != found.tobytes():
         rows = np.flatnonzero((np.asarray(expected) != np.asarray(found)).reshape(len(expected), -1).any(axis=1))
         who.fail("bind", f"{what}: expected the bits of the simple form, found others, in {len(rows)} of its rows")
@@ -94,7 +93,7 @@ class _Form(abc.ABC):
         context: Context = self.session.context(size)
         self.state: State = dict(component.start(context))
         self.given: Arrays = {}
-        self.out: npt.NDArray[Any] = np.zeros(0)
+        self.out: AnyArray = np.zeros(0)
         self.prepare()
 
     @abc.abstractmethod
@@ -110,11 +109,11 @@ class _Form(abc.ABC):
             self.given.setdefault(name, np.array(array))[...] = array
 
     @abc.abstractmethod
-    def now(self) -> Mapping[str, npt.NDArray[Any]]:
+    def now(self) -> Mapping[str, AnyArray]:
         """The inputs of this step, by name."""
 
     @abc.abstractmethod
-    def call(self) -> npt.NDArray[Any]:
+    def call(self) -> AnyArray:
         """The result of the simple form."""
 
     @abc.abstractmethod
@@ -130,7 +129,7 @@ class _Sensor(_Form):
     def prepare(self) -> None:
         self._pose = np.zeros((ROWS, 3))
 
-    def now(self) -> Mapping[str, npt.NDArray[Any]]:
+    def now(self) -> Mapping[str, AnyArray]:
         view = self.session.view
         poses.compose(view.body_pose, view.mount, self._pose)
         names = ("tick", "body_pose", "twist", "joints", "joint_rates")
@@ -138,7 +137,7 @@ class _Sensor(_Form):
 
     aim: Callable[[], Aim] | None = None
 
-    def call(self) -> npt.NDArray[Any]:
+    def call(self) -> AnyArray:
         aim = Aim() if self.aim is None else self.aim()
         values, side = self.component.sense(self.session.view, aim, self.state, self.session.draws)
         return np.concatenate((values, *(side[name] for name in sorted(side))), axis=1)
@@ -185,7 +184,7 @@ class _Emitter(_Sensor):
     name = "emit"
     binds = "bind_emit"
 
-    def call(self) -> npt.NDArray[Any]:
+    def call(self) -> AnyArray:
         return _beside(self.component.emit(self.session.view, self.state))
 
     def bind(self) -> Callable[[], None]:
@@ -215,11 +214,11 @@ class _Drive(_Form):
         self._commands = random.uniform(-6.0, 6.0, (STEPS, ROWS, len(self.component.channels)))
         self.out = np.zeros((2, *shape))
 
-    def now(self) -> Mapping[str, npt.NDArray[Any]]:
+    def now(self) -> Mapping[str, AnyArray]:
         t = self.session.t
         return {"joints": self._joints[t], "joint_rates": self._rates[t], "command": self._commands[t]}
 
-    def call(self) -> npt.NDArray[Any]:
+    def call(self) -> AnyArray:
         given = [array.copy() for array in self.given.values()]
         return np.array(self.component.advance(*given, DT, self.state, self.session.draws))
 
@@ -238,7 +237,7 @@ class _Drive(_Form):
 class _Software(_Form):
     """A component that sees readings."""
 
-    def now(self) -> Mapping[str, npt.NDArray[Any]]:
+    def now(self) -> Mapping[str, AnyArray]:
         found: Arrays = {}
         for name, reading in self._readings().items():
             found |= {f"readings[{name!r}].{field}": getattr(reading, field) for field in reading._fields}
@@ -260,7 +259,7 @@ class _Estimator(_Software):
     def prepare(self) -> None:
         self._pose, self._covariance = np.zeros((ROWS, 3)), np.zeros((ROWS, 3, 3))
 
-    def now(self) -> Mapping[str, npt.NDArray[Any]]:
+    def now(self) -> Mapping[str, AnyArray]:
         command = self.rig.commands[self.session.t][self.session.index]
         return {**super().now(), "command": command, "elapsed": self.session.elapsed()}
 
@@ -269,7 +268,7 @@ class _Estimator(_Software):
         estimates = dict.fromkeys(names, self.session.estimate())
         return super()._readings() | estimate_readings(names, estimates, self.session.clock().tick, always)
 
-    def call(self) -> npt.NDArray[Any]:
+    def call(self) -> AnyArray:
         command, elapsed = self.given["command"].copy(), self.given["elapsed"].copy()
         given = self.session.robot, self._readings(), command, elapsed, self.state
         pose, covariance = self.component.update(*given, self.session.draws)
@@ -309,12 +308,12 @@ class _Controller(_Software):
     def prepare(self) -> None:
         self.out = np.zeros((ROWS, len(self.session.robot.channels)))
 
-    def now(self) -> Mapping[str, npt.NDArray[Any]]:
+    def now(self) -> Mapping[str, AnyArray]:
         estimate, clock = self.session.estimate(), self.session.clock()
         own = {"pose": estimate.pose, "covariance": estimate.covariance, "tick": clock.tick, "time": clock.time}
         return {**super().now(), **own}
 
-    def call(self) -> npt.NDArray[Any]:
+    def call(self) -> AnyArray:
         given = self.session.robot, self._readings(), self.session.estimate(), self.session.clock(), self.state
         command = self.component.command(*given, self.session.draws)
         return np.asarray(command)

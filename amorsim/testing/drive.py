@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools
 from amorsim.contracts import Drive, Part, State
 from amorsim.core.poses import compose, wrap_angle
 from amorsim.core.rows import stack
@@ -18,7 +18,6 @@ from amorsim.testing.trial import Given, Outputs, Trial
 
 __all__ = ["DriveTrial"]
 
-Array = npt.NDArray[np.float64]
 
 _PARTS = 16  # of a step, into which a path is cut
 _EXACT = 1e-12  # [m, rad] for a step of about a metre
@@ -289,9 +288,7 @@ class DriveTrial(Trial[Drive]):
             again[row].tolist(),
         )
 
-    def _settle(
-        self, drive: Drive, session: Session, state: State, command: Array
-    ) -> tuple[Array, npt.NDArray[np.bool_]]:
+    def _settle(self, drive: Drive, session: Session, state: State, command: Array) -> tuple[Array, Bools]:
         """The twist [m/s, m/s, rad/s] after some time under a command, and the rows in which it is steady."""
         joints, rates = self._place
         last = twist = np.zeros((ROWS, 3))

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Aim, Controller, Emission, Estimate, Estimator, Motion, Noise, Sensor, State
 from amorsim.core.noise_steps import steps_problem
 from amorsim.scenario.reading.columns import columns_problem
@@ -22,7 +22,6 @@ from amorsim.testing.trial import Given, Outputs, Trial
 
 __all__ = ["ControllerTrial", "EstimatorTrial", "MotionTrial", "NoiseTrial", "SensorTrial"]
 
-Array = npt.NDArray[np.float64]
 
 _MOST_ROWS = 512
 _VIEW = ("tick", "pose", "body_pose", "twist", "joints", "joint_rates")

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Ints
 from amorsim.contracts import (
     Aim,
     Clock,
@@ -40,8 +40,6 @@ from amorsim.testing.variants import variants
 
 __all__ = ["DT", "ROWS", "STEPS", "Rig", "Session", "bent"]
 
-Array = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 ROWS = 64
 STEPS = 6

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Sequence
-from typing import Any
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import AnyArray
 from amorsim.contracts import Draws, Observable, StepOutcome, Task, TrueState
 from amorsim.controllers.wander import Wander
 from amorsim.core.draws import stream_key
@@ -28,7 +27,6 @@ from amorsim.testing.failure import Who, array_in_words
 
 __all__ = ["check_task"]
 
-Array = npt.NDArray[Any]
 
 _REPLICAS = (3, 4, 5, 6, 7)
 _STEPS, _PER_STEP = 12, 5  # judged, and simulated in each
@@ -46,7 +44,7 @@ def check_task(who: Who, task: Task, scene: Scenario | None) -> None:
                 who.require(same, "rows", f"{name} {number} of environment {replica} alone", "the same bits", "others")
 
 
-def _trial(who: Who, task: Task, scenario: Scenario, replicas: Sequence[int]) -> dict[str, list[Array]]:
+def _trial(who: Who, task: Task, scenario: Scenario, replicas: Sequence[int]) -> dict[str, list[AnyArray]]:
     """The results of a task, step by step, on a robot that drives about."""
     simulation = Simulation(scenario, replicas=list(replicas))
     name = scenario.robots[0].name
@@ -66,7 +64,13 @@ def _trial(who: Who, task: Task, scenario: Scenario, replicas: Sequence[int]) ->
     for key, array in episode.items():
         fits = isinstance(array, np.ndarray) and array.shape[:1] == (rows,)
         who.require(fits, "shapes", f"begin(): {key!r}", f"an array ({rows}, ...)", array_in_words(array))
-    found: dict[str, list[Array]] = {"observations": [], "rewards": [], "ends": [], "successes": [], "privileged": []}
+    found: dict[str, list[AnyArray]] = {
+        "observations": [],
+        "rewards": [],
+        "ends": [],
+        "successes": [],
+        "privileged": [],
+    }
     for _ in range(_STEPS):
         simulation.run(_PER_STEP * scenario.dt)
         known, truth = Observable(*simulation.known(name), actions), simulation.truth()
@@ -85,13 +89,13 @@ def _trial(who: Who, task: Task, scenario: Scenario, replicas: Sequence[int]) ->
     return found
 
 
-def _actions(who: Who, task: Task, rows: int) -> Array:
+def _actions(who: Who, task: Task, rows: int) -> AnyArray:
     """Actions between the bounds `(N, a)`."""
     with who.calling("action_bounds"):
         low, high = task.action_bounds
     fits = low.ndim == 1 and low.shape == high.shape and np.isfinite([low, high]).all() and (low < high).all()
     who.require(fits, "shapes", "action_bounds", "two arrays (a,) of finite numbers, the first less", (low, high))
-    actions: Array = np.tile(0.75 * low + 0.25 * high, (rows, 1))
+    actions: AnyArray = np.tile(0.75 * low + 0.25 * high, (rows, 1))
     with who.calling("velocities"):
         velocities = task.velocities(actions)
     for velocity in velocities:
@@ -100,7 +104,7 @@ def _actions(who: Who, task: Task, rows: int) -> Array:
     return actions
 
 
-def _judged(who: Who, task: Task, truth: TrueState, episode: dict[str, Array]) -> StepOutcome:
+def _judged(who: Who, task: Task, truth: TrueState, episode: dict[str, AnyArray]) -> StepOutcome:
     with who.calling("judge"):
         outcome = task.judge(truth, episode)
     rows = len(truth.pose)
@@ -111,10 +115,10 @@ def _judged(who: Who, task: Task, truth: TrueState, episode: dict[str, Array]) -
     return outcome
 
 
-def _observed(who: Who, task: Task, known: Observable, episode: dict[str, Array]) -> Array:
+def _observed(who: Who, task: Task, known: Observable, episode: dict[str, AnyArray]) -> AnyArray:
     before = {key: array.tobytes() for key, array in episode.items()}
     with who.calling("observe"):
-        seen: Array = task.observe(known, episode)
+        seen: AnyArray = task.observe(known, episode)
         again = task.observe(known, episode)
     who.require(isinstance(seen, np.ndarray), "shapes", "observe()", "an array", type(seen).__name__)
     who.require(seen.tobytes() == again.tobytes(), "determinism", "a second observe()", "the same bits", "others")
@@ -123,7 +127,7 @@ def _observed(who: Who, task: Task, known: Observable, episode: dict[str, Array]
     return seen
 
 
-def _check_blindness(who: Who, task: Task, known: Observable, truth: TrueState, episode: dict[str, Array]) -> None:
+def _check_blindness(who: Who, task: Task, known: Observable, truth: TrueState, episode: dict[str, AnyArray]) -> None:
     """Check that another truth, once judged, changes no observation: a robot cannot know it."""
     elsewhere = truth._replace(
         pose=truth.pose + 0.7,

@@ -8,8 +8,8 @@ from typing import Any, Generic, TypeVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import AnyArray, Ints
 from amorsim.contracts import State
 from amorsim.core.rows import stack
 from amorsim.simulation.state.snapshot import copy_state
@@ -19,9 +19,7 @@ from amorsim.testing.rig import ROWS, STEPS, Rig, Session
 __all__ = ["Given", "Record", "Trial", "try_rows"]
 
 C = TypeVar("C")
-Ints = npt.NDArray[np.int64]
-Anything = npt.NDArray[Any]
-Outputs = dict[str, Anything]
+Outputs = dict[str, AnyArray]
 
 _EVERY = np.arange(ROWS, dtype=np.int64)
 
@@ -31,9 +29,9 @@ class Given:
 
     def __init__(self, who: Who, check: str, what: str) -> None:
         self._who, self._check, self._what = who, check, what
-        self._kept: list[tuple[str, Anything, Anything]] = []
+        self._kept: list[tuple[str, AnyArray, AnyArray]] = []
 
-    def add(self, name: str, array: Anything | None) -> None:
+    def add(self, name: str, array: AnyArray | None) -> None:
         """Remember an array, to see later whether it was changed."""
         if array is not None and array.dtype != object:
             self._kept.append((name, array, array.copy()))
@@ -64,10 +62,10 @@ class Trial(abc.ABC, Generic[C]):
     @abc.abstractmethod
     def step(
         self, component: C, session: Session, state: State, carried: Outputs, given: Given
-    ) -> Mapping[str, Anything]:
+    ) -> Mapping[str, AnyArray]:
         """Call the component, add its inputs to `given`, check the shapes of its results; arrays by name."""
 
-    def array(self, found: Any, shape: tuple[int, ...], name: str) -> Anything:
+    def array(self, found: Any, shape: tuple[int, ...], name: str) -> AnyArray:
         """The array that a method returned, if it is one of float64 and of this shape."""
         require = self.who.require
         require(isinstance(found, np.ndarray), "shapes", name, f"an array {shape}", type(found).__name__)
@@ -210,7 +208,7 @@ def _compare(who: Who, check: str, what: str, expected: Record, found: Record) -
                     who.fail(check, f"{what}: expected the same bits in {kind}{name}, {difference}")
 
 
-def _difference(step: int, wanted: Anything, got: Anything | None) -> str:
+def _difference(step: int, wanted: AnyArray, got: AnyArray | None) -> str:
     if got is None or got.shape != wanted.shape:
         return f"found {None if got is None else got.shape} at step {step}"
     bits = np.flatnonzero([a.tobytes() != b.tobytes() for a, b in zip(wanted.ravel(), got.ravel(), strict=True)])

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Bools
 from amorsim.core.arguments import check_kind, whole
 
 if TYPE_CHECKING:
@@ -18,7 +18,6 @@ __all__ = ["check_vector_env"]
 STEPS = 200  # that are made to see how episodes end
 SEED = 12
 
-Bools = npt.NDArray[np.bool_]
 Step = tuple[Any, Any, Any, Any, dict[str, Any]]
 
 

@@ -8,9 +8,7 @@ import time
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-import numpy.typing as npt
-
+from amorsim.arrays import Array
 from amorsim.core.errors import AmorsimError
 from amorsim.simulation.simulation import Simulation
 from amorsim.ui.serve.launch_url import LaunchUrl
@@ -23,7 +21,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Watch"]
 
-Array = npt.NDArray[np.float64]
 
 _OF_THE_PROGRAM = (
     *("run", "pause", "step", "speed", "reset", "scrub", "continue", "go_back", "forget", "hand_over", "drive"),

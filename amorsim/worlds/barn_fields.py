@@ -11,8 +11,8 @@ import math
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
 
+from amorsim.arrays import Bools
 from amorsim.core.errors import MapError
 from amorsim.core.parameters import parameter
 from amorsim.worlds.caves import neighbours
@@ -74,14 +74,14 @@ class Barn(CellWorld):
         if parts[below] == 0 or parts[below] != parts[above]:
             self._place(sheet, self._with_way(filled, numbers), approach, wall)
 
-    def _place(self, sheet: Sheet, filled: NDArray[np.bool_], approach: int, wall: int) -> None:
+    def _place(self, sheet: Sheet, filled: Bools, approach: int, wall: int) -> None:
         sheet.cells[:] = 0
         side = _CELL / self.resolution
         for row, col in np.argwhere(filled).tolist():
             sheet.disc((col + 0.5) * side, approach + (row + 0.5) * side, side / 2)
         sheet.border(wall)
 
-    def _with_way(self, filled: NDArray[np.bool_], numbers: Numbers) -> NDArray[np.bool_]:
+    def _with_way(self, filled: Bools, numbers: Numbers) -> Bools:
         """The field without the cylinders on a straight way through it, as wide as the robot needs."""
         columns = filled.shape[1]
         wide = min(math.ceil(self.passage * self.resolution / _CELL) + 1, columns)

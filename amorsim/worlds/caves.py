@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
 
+from amorsim.arrays import Bools, Ints
 from amorsim.core.errors import MapError
 from amorsim.core.parameters import parameter
 from amorsim.worlds.cells import CellWorld, Sheet
@@ -57,15 +57,15 @@ class Cave(CellWorld):
         return bool(sizes[1:].max(initial=0) >= _LEAST * rows * cols)
 
 
-def neighbours(cells: NDArray[np.bool_], outside: int) -> NDArray[np.int64]:
+def neighbours(cells: Bools, outside: int) -> Ints:
     """How many of the eight cells around each are set; those outside the array count as `outside`."""
     padded = np.pad(cells.astype(np.int64), 1, constant_values=outside)
     across = padded[:, :-2] + padded[:, 1:-1] + padded[:, 2:]
-    found: NDArray[np.int64] = across[:-2] + across[1:-1] + across[2:] - padded[1:-1, 1:-1]
+    found: Ints = across[:-2] + across[1:-1] + across[2:] - padded[1:-1, 1:-1]
     return found
 
 
-def _rounded(rock: NDArray[np.bool_], grain: int) -> NDArray[np.bool_]:
+def _rounded(rock: Bools, grain: int) -> Bools:
     """Rock where most is rock in a square of about the grain around each cell: this takes the corners off."""
     half = grain // 2
     side = 2 * half + 1
@@ -73,5 +73,5 @@ def _rounded(rock: NDArray[np.bool_], grain: int) -> NDArray[np.bool_]:
         np.pad(rock.astype(np.int64), ((half + 1, half), (half + 1, half)), mode="edge").cumsum(axis=0).cumsum(axis=1)
     )
     within = sums[side:, side:] - sums[:-side, side:] - sums[side:, :-side] + sums[:-side, :-side]
-    smooth: NDArray[np.bool_] = 2 * within > side * side
+    smooth: Bools = 2 * within > side * side
     return smooth

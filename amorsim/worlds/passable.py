@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from amorsim.arrays import Ints, Ints32
 from amorsim.core.errors import MapError
 from amorsim.kernels.grid.disc_places import clear_cells, label_parts, number_parts
 
@@ -17,7 +18,7 @@ Cells = NDArray[np.uint8]
 _MOST_ROUNDS = 1000
 
 
-def reach_of(clearance: float) -> NDArray[np.int64]:
+def reach_of(clearance: float) -> Ints:
     """For each row offset, up to which column a cell is nearer than `clearance` [cells] to a cell's middle."""
     reach: list[int] = []
     while max(len(reach) - 0.5, 0.0) < clearance:
@@ -38,7 +39,7 @@ def places_for(cells: Cells, clearance: float, resolution: float) -> Cells:
     return _clear(cells, reach_of(clearance / resolution + 0.5), 1)
 
 
-def open_parts(places: Cells) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
+def open_parts(places: Cells) -> tuple[Ints32, Ints]:
     """The connected parts of the cells that are set, numbered from 1, and the number of cells of each from 0 on."""
     labels, joined, count = _labelled(places)
     sizes = np.empty(count + 1, dtype=np.int64)
@@ -46,7 +47,7 @@ def open_parts(places: Cells) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
     return labels, sizes
 
 
-def _labelled(places: Cells) -> tuple[NDArray[np.int32], NDArray[np.int32], int]:
+def _labelled(places: Cells) -> tuple[Ints32, Ints32, int]:
     """The labels of cells, the part of each label, and the number of parts, as `label_parts` gives them."""
     labels, joined = np.empty(places.shape, dtype=np.int32), np.empty(places.size + 1, dtype=np.int32)
     return labels, joined, label_parts(places, joined, labels)
@@ -96,7 +97,7 @@ def nearest(places: Cells, row: float, col: float) -> tuple[int, int]:
     return int(rows[best]), int(cols[best])
 
 
-def _clear(cells: Cells, reach: NDArray[np.int64], beyond: int) -> Cells:
+def _clear(cells: Cells, reach: Ints, beyond: int) -> Cells:
     out = np.empty_like(cells)
     # A disc that reaches farther than 65,535 cells fits into no world that is generated.
     short = np.minimum(reach, 0xFFFF).astype(np.uint16)

@@ -6,9 +6,7 @@ import math
 from collections.abc import MutableSequence
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from amorsim.arrays import Array
 from amorsim.core.draws import Draws
 
 __all__ = ["Numbers"]
@@ -48,7 +46,7 @@ class Numbers:
             other = self.below(last + 1)
             things[last], things[other] = things[other], things[last]
 
-    def many(self, *shape: int) -> NDArray[np.float64]:
+    def many(self, *shape: int) -> Array:
         """An array of numbers in (0, 1)."""
-        found: NDArray[np.float64] = self._draws.uniform(math.prod(shape))[0].reshape(shape)
+        found: Array = self._draws.uniform(math.prod(shape))[0].reshape(shape)
         return found

@@ -8,14 +8,13 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import Array, Ints
 from amorsim.core.arguments import is_numeric
 from amorsim.core.error_text import in_words
 from amorsim.core.errors import GraphError
 
 __all__ = ["PoseGraph"]
 
-Array = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 _SKEW = 1e-9  # of an information matrix, relative to its largest number
 

@@ -12,16 +12,15 @@ from typing import NamedTuple
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.algorithms.pose_graph.graph import PoseGraph
 from amorsim.algorithms.pose_graph.solve import optimize, squared_errors
+from amorsim.arrays import Array
 from amorsim.core.arguments import checked
 from amorsim.core.errors import GraphError
 
 __all__ = ["RobustOptimum", "optimize_robustly", "weighted"]
 
-Array = npt.NDArray[np.float64]
 
 _ITERATIONS = 3  # of Gauss-Newton between two sets of weights
 _SETTLED = 1e-4  # change of a weight that is none

@@ -11,17 +11,15 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.algorithms.pose_graph.graph import PoseGraph
+from amorsim.arrays import Array
 from amorsim.core.arguments import checked
 from amorsim.core.errors import GraphError
 from amorsim.core.poses import wrap_angle
 
 __all__ = ["Optimum", "chi2_of", "covariance_of", "linear_start", "optimize", "squared_errors"]
 
-Array = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 _MOST_HALVINGS = 20
 _ROUNDING = 1e-12  # of chi2, relative

@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.analysis.logs.message_values import beams_of, nanoseconds_of, quaternion
 from amorsim.analysis.own_columns import own_commands, own_readings
 from amorsim.analysis.run_files import RunFiles, Table
+from amorsim.arrays import Array
 from amorsim.core.errors import AnalysisError, RunError
 from amorsim.core.files.atomic_files import make_folders, new_file
 from amorsim.scenario.spec import MountedSensor, Robot
@@ -22,7 +22,6 @@ from amorsim.simulation.fleet.alike import channels_of
 
 __all__ = ["write_bag"]
 
-Array = npt.NDArray[np.float64]
 
 _VERSION: Final = 8  # of the bag's format: ROS 2 Iron and later read it
 _MAP = "map"

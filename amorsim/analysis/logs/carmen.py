@@ -34,10 +34,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from scipy.ndimage import median_filter
 
 from amorsim.analysis.logs.run_log import LogEntry
+from amorsim.arrays import Array
 from amorsim.contracts import Sensor
 from amorsim.core.errors import AnalysisError
 from amorsim.core.poses import compose, logarithm, relative
@@ -47,7 +47,6 @@ from amorsim.sensors.encoder import Encoder
 
 __all__ = ["SUFFIXES", "CarmenMessage", "entries_of_carmen", "read_carmen"]
 
-Array = npt.NDArray[np.float64]
 
 SUFFIXES = (".log", ".clf", ".gfs")
 """The ends of such files' names; ``.gz`` may follow."""

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.analysis.logs.message_shapes import VALUES
 from amorsim.analysis.trajectory import yaw
+from amorsim.arrays import Array
 from amorsim.contracts import Sensor
 from amorsim.core.errors import AnalysisError
 from amorsim.core.poses import wrap_angle
@@ -21,7 +21,6 @@ from amorsim.simulation.fleet.alike import channels_of
 
 __all__ = ["beams_of", "command_of", "holds_pose", "nanoseconds_of", "pose_of", "quaternion", "reading_of"]
 
-Array = npt.NDArray[np.float64]
 Pose = tuple[float, float, float]
 
 _EVEN = 1e-9  # [rad] to which angles at equal steps are equal

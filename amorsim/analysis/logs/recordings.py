@@ -10,13 +10,13 @@ from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.analysis.logs.carmen import SUFFIXES, entries_of_carmen
 from amorsim.analysis.logs.message_shapes import check_message
 from amorsim.analysis.logs.message_values import command_of, holds_pose, pose_of, reading_of
 from amorsim.analysis.logs.run_log import LogEntry, entries_of_run
 from amorsim.analysis.trajectory import Trajectory
+from amorsim.arrays import Array
 from amorsim.core.arguments import check_kind, path_of
 from amorsim.core.errors import AmorsimError, AnalysisError, did_you_mean
 from amorsim.core.files.json_files import parse_json
@@ -26,8 +26,6 @@ from amorsim.runs.folder import ABOUT
 from amorsim.scenario.spec import Robot
 
 __all__ = ["read_bag", "read_log", "read_mcap"]
-
-Array = npt.NDArray[np.float64]
 
 
 class _Received(NamedTuple):

@@ -6,17 +6,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
-import numpy.typing as npt
-
 from amorsim.analysis.own_columns import own_commands, own_readings
 from amorsim.analysis.run_files import RunFiles
+from amorsim.arrays import Array
 from amorsim.core.errors import AnalysisError
 from amorsim.scenario.spec import Robot
 
 __all__ = ["LogEntry", "entries_of_run"]
-
-Array = npt.NDArray[np.float64]
 
 
 class LogEntry(NamedTuple):

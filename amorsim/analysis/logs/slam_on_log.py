@@ -11,13 +11,13 @@ from typing import Any
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.algorithms.pose_graph import PoseGraph, write_g2o
 from amorsim.analysis.logs.recordings import RECORDING, read_log
 from amorsim.analysis.logs.run_log import LogEntry
 from amorsim.analysis.logs.slam_replay import SlamReplay
 from amorsim.analysis.trajectory import Trajectory, write_tum
+from amorsim.arrays import Array
 from amorsim.contracts import Estimator
 from amorsim.core.arguments import check_kind, checked, path_of
 from amorsim.core.errors import AnalysisError
@@ -40,7 +40,6 @@ from amorsim.simulation.estimator_runner import EstimatorRunner
 
 __all__ = ["ROBOT", "SlamResult", "slam"]
 
-Array = npt.NDArray[np.float64]
 
 ROBOT = "pioneer2dx-lms200"
 """The model of the robot that a log is of if nobody names another one."""

@@ -5,18 +5,17 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.figure import Figure
 
 from amorsim.algorithms.intervals import mean_interval
 from amorsim.analysis.differences import Comparison, metric_of_estimator
 from amorsim.analysis.paired import by_draws
 from amorsim.analysis.plots.figures import tidy
+from amorsim.arrays import Bools, Ints
 from amorsim.sweeps.table import Study
 
 __all__ = ["draw_comparison", "draw_metric"]
 
-Array = npt.NDArray[np.float64]
 
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 _MARKERS = "osD^vP"
@@ -114,10 +113,10 @@ class _Groups:
         found, starts = np.unique(values[order], return_index=True)
         self._rows = dict(zip(found.tolist(), np.split(order, starts[1:]), strict=False))
 
-    def rows(self, label: Any, chosen: npt.NDArray[np.bool_] | None) -> npt.NDArray[np.int64]:
+    def rows(self, label: Any, chosen: Bools | None) -> Ints:
         """The rows with this value, in their order; only those that are chosen, where these are given."""
         key = _in_table(self._study, self._axis, label) if self._axis else 0.0
-        rows: npt.NDArray[np.int64] = self._rows.get(key, np.empty(0, dtype=np.int64))
+        rows: Ints = self._rows.get(key, np.empty(0, dtype=np.int64))
         if chosen is not None:
             rows = rows[chosen[rows]]
         return rows

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.figure import Figure
 
+from amorsim.arrays import AnyArray
 from amorsim.core.files.atomic_files import write_bytes
 
 __all__ = [
@@ -27,7 +27,6 @@ __all__ = [
     "unwrapped_gaps",
 ]
 
-Array = npt.NDArray[Any]
 
 # Each line also has a dash pattern of its own, for readers who do not see colours. The true line is below and broad,
 # so that it shows on both sides of the lines on top of it.
@@ -80,8 +79,8 @@ def compare(
     figure: Figure,
     main: Any,
     below: Any,
-    true: tuple[Array, Array],
-    other: tuple[Array, Array],
+    true: tuple[AnyArray, AnyArray],
+    other: tuple[AnyArray, AnyArray],
     style: dict[str, Any],
 ) -> None:
     """Draw the true and the measured or estimated values in one panel, and their difference below.
@@ -112,12 +111,12 @@ def legend(figure: Figure, *axes: Any) -> None:
     figure.legend(entries.values(), entries, loc="outside lower center", ncols=columns, frameon=False)
 
 
-def band(axis: Any, time: Array, low: Array, high: Array, style: dict[str, Any], label: str) -> None:
+def band(axis: Any, time: AnyArray, low: AnyArray, high: AnyArray, style: dict[str, Any], label: str) -> None:
     """A light area between two curves, in the colour of a style."""
     axis.fill_between(time, low, high, color=style["color"], alpha=0.16, linewidth=0.0, zorder=1, label=label)
 
 
-def draw_ellipse(axis: Any, place: Array, covariance: Array, style: dict[str, Any], **how: Any) -> None:
+def draw_ellipse(axis: Any, place: AnyArray, covariance: AnyArray, style: dict[str, Any], **how: Any) -> None:
     """The ellipse of one standard deviation around a place (2,) [m]; none if the covariance (2, 2) has none."""
     if not np.isfinite(covariance).all() or not np.isfinite(place).all():
         return
@@ -130,7 +129,7 @@ def draw_ellipse(axis: Any, place: Array, covariance: Array, style: dict[str, An
     axis.plot(x, y, color=style["color"], linewidth=0.9, **how)
 
 
-def unwrapped_gaps(angles: Array) -> Array:
+def unwrapped_gaps(angles: AnyArray) -> AnyArray:
     """Angles [degrees], with nan where a line would run from one end of the circle to the other."""
     broken = angles.copy()
     with np.errstate(invalid="ignore"):

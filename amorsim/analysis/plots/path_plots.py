@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.transforms import Affine2D
@@ -13,6 +12,7 @@ from matplotlib.transforms import Affine2D
 from amorsim.analysis.plots.figures import TRUE, draw_ellipse, legend, tidy
 from amorsim.analysis.plots.pose_traces import Trace
 from amorsim.analysis.run_files import RunFiles, Table
+from amorsim.arrays import AnyArray
 from amorsim.core.errors import RunError
 from amorsim.core.files.json_files import parse_json
 from amorsim.core.shapes import Shape
@@ -22,7 +22,6 @@ from amorsim.worlds.drawn import map_of, origin_of
 
 __all__ = ["draw_all_paths", "draw_path"]
 
-Array = npt.NDArray[Any]
 
 PIXELS = 900  # of the map's longer side
 MOST_PATHS = 300  # of replicas that are drawn
@@ -94,7 +93,7 @@ def _new_map() -> tuple[Figure, Any]:
     return figure, axis
 
 
-def _frame(figure: Figure, axis: Any, seen: Array) -> None:
+def _frame(figure: Figure, axis: Any, seen: AnyArray) -> None:
     """Show all that was seen (n, 2), with its label."""
     seen = seen[np.isfinite(seen).all(axis=1)]
     margin = 0.02 * np.ptp(seen, axis=0).max()
@@ -126,7 +125,7 @@ def _place_in(text: str) -> tuple[float, float] | None:
         return None
 
 
-def _draw_uncertainty(axis: Any, path: Array, covariance: Array, style: dict[str, Any], label: str) -> None:
+def _draw_uncertainty(axis: Any, path: AnyArray, covariance: AnyArray, style: dict[str, Any], label: str) -> None:
     """Ellipses of one standard deviation along a path, and at its end."""
     places = np.unique(np.linspace(0, max(len(path) - 1, 0), ELLIPSES).round().astype(int))[: len(path)].tolist()
     for place in places:
@@ -136,7 +135,7 @@ def _draw_uncertainty(axis: Any, path: Array, covariance: Array, style: dict[str
         )
 
 
-def _draw_map(axis: Any, files: RunFiles, replica: int) -> Array:
+def _draw_map(axis: Any, files: RunFiles, replica: int) -> AnyArray:
     """Draw the map of a replica, and return its corners in the world (4, 2)."""
     found = map_of(files.scenario.map, replica)
     width, height = found.size
@@ -156,7 +155,7 @@ def _draw_map(axis: Any, files: RunFiles, replica: int) -> Array:
     )
     turn = np.array([[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]])
     corners = np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]])
-    placed: Array = np.sum(corners[:, :, None] * turn, axis=1) + np.array([x, y])
+    placed: AnyArray = np.sum(corners[:, :, None] * turn, axis=1) + np.array([x, y])
     return placed
 
 

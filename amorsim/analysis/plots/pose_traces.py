@@ -6,15 +6,13 @@ from typing import Any
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.analysis.plots.figures import ESTIMATED, OTHERS
 from amorsim.analysis.run_files import RunFiles
+from amorsim.arrays import AnyArray
 from amorsim.core.errors import RunError
 
 __all__ = ["Estimates", "Trace", "read_trace"]
-
-Array = npt.NDArray[Any]
 
 
 @attrs.frozen(kw_only=True)
@@ -22,22 +20,22 @@ class Estimates:
     """The estimates of one estimator in S steps of N replicas, and their style in pictures."""
 
     name: str
-    pose: Array  # (S, N, 3) [m, m, rad]
-    covariance: Array  # (S, N, 3, 3)
-    error: Array  # (S, N, 3): estimated less true, the heading within half a turn
+    pose: AnyArray  # (S, N, 3) [m, m, rad]
+    covariance: AnyArray  # (S, N, 3, 3)
+    error: AnyArray  # (S, N, 3): estimated less true, the heading within half a turn
     style: dict[str, Any]
 
     @property
-    def distance(self) -> Array:
+    def distance(self) -> AnyArray:
         """How far estimated and true position are apart [m] `(S, N)`."""
-        distance: Array = np.hypot(self.error[..., 0], self.error[..., 1])
+        distance: AnyArray = np.hypot(self.error[..., 0], self.error[..., 1])
         return distance
 
     @property
-    def sigma(self) -> Array:
+    def sigma(self) -> AnyArray:
         """The standard deviations of x [m], y [m] and heading [rad] that the estimator believes `(S, N, 3)`."""
         with np.errstate(invalid="ignore"):
-            sigma: Array = np.sqrt(np.diagonal(self.covariance, axis1=-2, axis2=-1))
+            sigma: AnyArray = np.sqrt(np.diagonal(self.covariance, axis1=-2, axis2=-1))
         return sigma
 
     @property
@@ -50,8 +48,8 @@ class Estimates:
 class Trace:
     """A robot in S steps of N replicas."""
 
-    time: Array  # (S,) [s]
-    true: Array  # (S, N, 3) [m, m, rad]
+    time: AnyArray  # (S,) [s]
+    true: AnyArray  # (S, N, 3) [m, m, rad]
     estimates: list[Estimates]  # the first is the one that the controller is given
 
 
@@ -95,7 +93,7 @@ def read_trace(files: RunFiles, robot: str, replica: int | None) -> Trace:
     return Trace(time=time, true=true, estimates=found)
 
 
-def _less(pose: Array, true: Array) -> Array:
+def _less(pose: AnyArray, true: AnyArray) -> AnyArray:
     error = pose - true
     error[..., 2] = (error[..., 2] + np.pi) % (2.0 * np.pi) - np.pi
     return error

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.figure import Figure
 
 from amorsim.analysis.plots.figures import ESTIMATED, TRUE, band, draw_ellipse, legend, new_figure, tidy
@@ -15,7 +14,6 @@ from amorsim.analysis.run_files import RunFiles
 
 __all__ = ["draw_all_errors", "draw_all_speeds", "draw_ends", "in_words"]
 
-Array = npt.NDArray[Any]
 
 LOW, HIGH = 5.0, 95.0  # [%] of the replicas that lie within the bands
 BELIEVED: dict[str, Any] = {"linestyle": (0, (1, 1.5)), "linewidth": 1.2}

@@ -6,18 +6,17 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from amorsim.analysis.plots.figures import MEASURED, TRUE, compare, legend, new_figure, tidy, unwrapped_gaps
 from amorsim.analysis.run_files import RunFiles
+from amorsim.arrays import AnyArray
 from amorsim.contracts import Sensor
 from amorsim.core.errors import RunError
 
 __all__ = ["draw_sensor"]
 
-Array = npt.NDArray[Any]
 
 MANY = 24  # values of a sensor from which it is drawn as an image
 
@@ -49,7 +48,7 @@ def draw_sensor(files: RunFiles, robot: str, replica: int | None, name: str) -> 
     return _elements(name, unit, readings["stamp"], true, measured)
 
 
-def _values(name: str, unit: str, time: Array, true: Array, measured: Array) -> Figure:
+def _values(name: str, unit: str, time: AnyArray, true: AnyArray, measured: AnyArray) -> Figure:
     """A panel for each of one or two values, and panels of their differences."""
     size = len(true)
     figure, axes = new_figure(2 * size, height=1.6 + 3.2 * size, ratios=[3, 1] * size)
@@ -67,7 +66,7 @@ def _values(name: str, unit: str, time: Array, true: Array, measured: Array) -> 
     return figure
 
 
-def _columns(columns: Mapping[str, str], time: Array, true: Array, measured: Array) -> Figure:
+def _columns(columns: Mapping[str, str], time: AnyArray, true: AnyArray, measured: AnyArray) -> Figure:
     """A panel for each column of a table: values of all its lines as dots, of a single line as a curve."""
     lines = len(true) // len(columns)
     figure = Figure(figsize=(9.0, 1.2 + 1.7 * len(columns)), layout="constrained")
@@ -91,7 +90,7 @@ def _columns(columns: Mapping[str, str], time: Array, true: Array, measured: Arr
     return figure
 
 
-def _elements(name: str, unit: str, time: Array, true: Array, measured: Array) -> Figure:
+def _elements(name: str, unit: str, time: AnyArray, true: AnyArray, measured: AnyArray) -> Figure:
     """A ring of a few elements: a small panel for each."""
     columns = 4
     rows = -(-len(true) // columns)
@@ -113,7 +112,7 @@ def _elements(name: str, unit: str, time: Array, true: Array, measured: Array) -
     return figure
 
 
-def _scans(unit: str, time: Array, true: Array, measured: Array) -> Figure:
+def _scans(unit: str, time: AnyArray, true: AnyArray, measured: AnyArray) -> Figure:
     """A ring of many beams as images, beam over time: true, measured, and their difference."""
     figure = Figure(figsize=(9.0, 8.5), layout="constrained")
     axes: Any = figure.subplots(3, 1, sharex=True, sharey=True)
@@ -142,7 +141,7 @@ def _scans(unit: str, time: Array, true: Array, measured: Array) -> Figure:
     return figure
 
 
-def _range_of(values: Array) -> tuple[float, float]:
+def _range_of(values: AnyArray) -> tuple[float, float]:
     finite = values[np.isfinite(values)]
     if not len(finite):
         return 0.0, 1.0

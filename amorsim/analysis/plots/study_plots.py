@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.figure import Figure
 
 from amorsim.analysis.plots.figures import TRUE, save_figure, tidy
+from amorsim.arrays import Array
 from amorsim.render.words import NOTHING, percent
 
 if TYPE_CHECKING:
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
 __all__ = ["plot_attribution", "plot_readings", "plot_umbmark"]
 
-Array = npt.NDArray[np.float64]
 
 _CLOCKWISE = {"color": "#2f6fde", "marker": "o"}
 _ANTICLOCKWISE = {"color": "#d97706", "marker": "s"}

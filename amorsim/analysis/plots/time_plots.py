@@ -5,16 +5,15 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.figure import Figure
 
 from amorsim.analysis.plots.figures import ESTIMATED, MEASURED, TRUE, band, compare, legend, new_figure, unwrapped_gaps
 from amorsim.analysis.plots.pose_traces import Trace
 from amorsim.analysis.run_files import RunFiles, Table
+from amorsim.arrays import AnyArray
 
 __all__ = ["ERRORS", "draw_error", "draw_heading", "draw_speed", "draw_wheels", "fit_errors"]
 
-Array = npt.NDArray[Any]
 
 ERRORS = (("x [m]", 1.0), ("y [m]", 1.0), ("heading [°]", float(np.degrees(1.0))))
 ROOM = 4.0  # times the largest error that a much larger belief is shown
@@ -100,7 +99,7 @@ def draw_error(trace: Trace) -> Figure:
     return figure
 
 
-def fit_errors(axis: Any, *errors: Array, is_signed: bool = True) -> None:
+def fit_errors(axis: Any, *errors: AnyArray, is_signed: bool = True) -> None:
     """Scale a panel to the errors, also if their estimated deviations are much larger."""
     largest = max((float(np.nanmax(np.abs(each))) for each in errors if np.isfinite(each).any()), default=0.0)
     low, high = axis.get_ylim()

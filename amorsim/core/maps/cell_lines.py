@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Bools, Ints, Ints32
 from amorsim.core.maps.map import Map, Place
 
 __all__ = ["extent_of", "placed", "to_world", "wall_lines"]
 
 
-def wall_lines(world: Map) -> NDArray[np.float64]:
+def wall_lines(world: Map) -> Array:
     """Walls (M, 4) x0, y0, x1, y1 [m] in the world that fill the occupied cells of a map, and no others.
 
     They are the walls that the map was made from, or else lines along rows and columns, from the middle of a cell to
@@ -41,12 +41,12 @@ def extent_of(world: Map) -> tuple[float, float, float, float]:
     return xmin, ymin, xmax, ymax
 
 
-def to_world(world: Map, places: NDArray[np.float64]) -> NDArray[np.float64]:
+def to_world(world: Map, places: Array) -> Array:
     """Places (n, 2) [m] of a map's frame in the world."""
     return placed(world.origin, places)
 
 
-def placed(origin: Place, places: NDArray[np.float64]) -> NDArray[np.float64]:
+def placed(origin: Place, places: Array) -> Array:
     """Places (n, 2) [m] in the frame of a map with this `origin`, in the world."""
     x, y, yaw = origin
     if yaw == 0.0:
@@ -55,7 +55,7 @@ def placed(origin: Place, places: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.stack((x + c * places[:, 0] - s * places[:, 1], y + s * places[:, 0] + c * places[:, 1]), axis=-1)
 
 
-def _runs(cells: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+def _runs(cells: Bools) -> tuple[Ints, Ints, Ints]:
     """Row, first and last column of each run of true cells in a row."""
     steps = np.diff(np.pad(cells, ((0, 0), (1, 1))).astype(np.int8), axis=1)
     rows, first = np.nonzero(steps == 1)
@@ -63,7 +63,7 @@ def _runs(cells: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.int64
     return rows, first, after - 1
 
 
-def _run_lengths(cells: NDArray[np.bool_]) -> NDArray[np.int32]:
+def _run_lengths(cells: Bools) -> Ints32:
     """The length of the run in its row for each true cell; 0 for others."""
     _, first, last = _runs(cells)
     lengths = np.zeros(cells.shape, np.int32)

@@ -6,14 +6,13 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools
 from amorsim.core.maps.map import Map
 from amorsim.core.maps.roomiest_place import joined_to
 
 __all__ = ["shut_off"]
 
-Bools = npt.NDArray[np.bool_]
 Place = tuple[float, float]
 
 MOST = 4096  # the most squares along a side of the map
@@ -62,7 +61,7 @@ def _with_room(free: Bools, room: float) -> Bools:
     return left
 
 
-def _square(world: Map, side: float, place: Place) -> npt.NDArray[np.float64]:
+def _square(world: Map, side: float, place: Place) -> Array:
     """Row and column of a place, in squares from the map's corner."""
     origin_x, origin_y, yaw = world.origin
     c, s = math.cos(yaw), math.sin(yaw)
@@ -70,7 +69,7 @@ def _square(world: Map, side: float, place: Place) -> npt.NDArray[np.float64]:
     return np.array([(c * dy - s * dx) / side, (c * dx + s * dy) / side])
 
 
-def _near(free: Bools, reached: Bools, square: npt.NDArray[np.float64]) -> bool:
+def _near(free: Bools, reached: Bools, square: Array) -> bool:
     """Whether any of the free squares nearest to a place, which may be close to a wall, is reached."""
     rows, cols = free.shape
     row, col = np.floor(square).astype(int).tolist()

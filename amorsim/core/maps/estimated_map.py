@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import AnyArray
 from amorsim.core.arguments import checked
 from amorsim.core.errors import MapError
 from amorsim.core.maps.map import Map
@@ -17,7 +16,7 @@ __all__ = ["estimated_map"]
 
 @checked
 def estimated_map(
-    beliefs: Mapping[str, npt.NDArray[Any]], row: int = 0, *, occupied: float = 0.65, free: float = 0.35, name: str = ""
+    beliefs: Mapping[str, AnyArray], row: int = 0, *, occupied: float = 0.65, free: float = 0.35, name: str = ""
 ) -> Map:
     """The occupancy grid of an estimator's beliefs as a map, which `amorsim.save_map` writes for ROS and others.
 

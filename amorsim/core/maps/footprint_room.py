@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.core.errors import MapError
 from amorsim.core.maps.free_places import LARGER, freest_place, roomy_places
 from amorsim.core.maps.map import Map
@@ -25,7 +25,6 @@ __all__ = [
     "wall_gaps",
 ]
 
-Array = npt.NDArray[np.float64]
 
 _PLACES = 2000  # tried if the roomiest one is too small
 _HEADINGS = 16

@@ -6,8 +6,8 @@ import math
 from collections.abc import Callable, Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Bools
 from amorsim.core.errors import MapError
 from amorsim.core.maps.map import Map
 from amorsim.core.maps.roomiest_place import inside, joined, room_about, roomiest
@@ -55,7 +55,7 @@ def roomy_places(world: Map, count: int) -> list[tuple[float, float]]:
     return [_to_world(world, (col + 0.5) * side, (row + 0.5) * side) for row, col in places]
 
 
-def free_places(world: Map, clearance: float = 0.0) -> tuple[NDArray[np.float64], float]:
+def free_places(world: Map, clearance: float = 0.0) -> tuple[Array, float]:
     """Middles (M, 2) [m] in the world of free squares, and their side [m], searched as in `freest_place`.
 
     Only squares that free squares connect to the roomiest place: none in a hollow pillar, or around the building; and
@@ -77,9 +77,7 @@ def free_places(world: Map, clearance: float = 0.0) -> tuple[NDArray[np.float64]
     return np.column_stack((origin_x + c * x - s * y, origin_y + s * x + c * y)), side
 
 
-def _free_cells(
-    world: Map, select: Callable[[NDArray[np.bool_]], NDArray[np.bool_]]
-) -> tuple[NDArray[np.bool_], float]:
+def _free_cells(world: Map, select: Callable[[Bools], Bools]) -> tuple[Bools, float]:
     side = world.resolution
     for free, side in _looks(world):
         cells = select(free)
@@ -93,7 +91,7 @@ def _nothing_free(world: Map, side: float) -> str:
     return f"the map, {width:.4g} m x {height:.4g} m, has no free place of {side:.3g} m x {side:.3g} m"
 
 
-def _looks(world: Map) -> Iterator[tuple[NDArray[np.bool_], float]]:
+def _looks(world: Map) -> Iterator[tuple[Bools, float]]:
     """Coarse views of the squares known to be free, with their sides [m], each finer than the one before."""
     longest = max(world.size)
     for pieces in (256, 1024, 4096):

@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from amorsim.arrays import Bools
 from amorsim.core.maps.cell_lines import to_world
 from amorsim.core.maps.map import Map
 from amorsim.core.maps.same_cells import have_same_cells
@@ -70,7 +71,7 @@ def lost_cells(original: Map, copy: Map) -> Lost:
     )
 
 
-def _strips(world: Map) -> Iterator[tuple[Points, NDArray[np.bool_], NDArray[np.bool_]]]:
+def _strips(world: Map) -> Iterator[tuple[Points, Bools, Bools]]:
     """Some rows at a time: the middles (n, 2) of their cells in the world, which are occupied and which unknown."""
     rows, columns = world.shape
     side = world.resolution
@@ -87,7 +88,7 @@ def _strips(world: Map) -> Iterator[tuple[Points, NDArray[np.bool_], NDArray[np.
         )
 
 
-def _unknown_at(world: Map, places: Points) -> NDArray[np.bool_]:
+def _unknown_at(world: Map, places: Points) -> Bools:
     if world.unknown is None:
         return np.zeros(len(places), np.bool_)
     return attrs.evolve(world, grid=world.unknown).occupied(places)

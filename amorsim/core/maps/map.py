@@ -12,6 +12,7 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.core.arguments import checked, texts
 from amorsim.core.display import in_notebook
 from amorsim.core.errors import MapError
@@ -34,7 +35,7 @@ Window = tuple[float, float, float, float]
 """xmin, ymin, xmax, ymax [m]."""
 Place = tuple[float, float, float]
 """x, y [m], heading [rad]."""
-_Ends = tuple[NDArray[np.int64], NDArray[np.int64]]
+_Ends = tuple[Ints, Ints]
 
 
 @attrs.frozen(kw_only=True, eq=False, repr=False)
@@ -51,7 +52,7 @@ class Map:
     """The cells, as kernels read them; never written to."""
     origin: Place
     """The lower left corner in the world, and the map's rotation about it."""
-    segments: NDArray[np.float64] | None = None
+    segments: Array | None = None
     """(M, 4) x0, y0, x1, y1 [m] in the world: the walls the cells were drawn from, or None."""
     segment_index: SegmentIndex = attrs.field(factory=no_segments)
     """Walls in the map's frame, as scans look them up: `segments`, or outlines of the cells; never written to."""
@@ -273,7 +274,7 @@ class Map:
         return first, np.maximum(first, last)
 
     @checked
-    def occupied(self, points: ArrayLike) -> NDArray[np.bool_]:
+    def occupied(self, points: ArrayLike) -> Bools:
         """Whether each of the points (M, 2) [m] of the world is in an occupied cell; nan and outside are."""
         places = np.ascontiguousarray(points, dtype=np.float64)
         if places.ndim != 2 or places.shape[1] != 2:
@@ -283,7 +284,7 @@ class Map:
         return out
 
     @checked
-    def cast_rays(self, poses: ArrayLike, bearings: ArrayLike, range_max: float) -> NDArray[np.float64]:
+    def cast_rays(self, poses: ArrayLike, bearings: ArrayLike, range_max: float) -> Array:
         """Distance [m] along each beam to where it enters the first occupied cell, (N, k); inf beyond
         `range_max`.
 
@@ -396,7 +397,7 @@ def _resolution(given: float) -> float:
     return side
 
 
-def _numbers(given: ArrayLike, what: str) -> NDArray[np.float64]:
+def _numbers(given: ArrayLike, what: str) -> Array:
     try:
         return np.asarray(given, dtype=np.float64)
     except (TypeError, ValueError, OverflowError) as error:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from amorsim.arrays import Array
 from amorsim.core.errors import MapError
 from amorsim.kernels.grid.rasterise import MOST_CELLS
 
@@ -25,7 +25,7 @@ _TABLE_BYTES = 16_384
 _MOST_GRID_BYTES = 400_000_000
 
 
-def refuse_not_finite(walls: NDArray[np.float64], what: str) -> None:
+def refuse_not_finite(walls: Array, what: str) -> None:
     """Raise `MapError` if a wall has a number that is not finite."""
     bad = ~np.isfinite(walls).all(axis=1)
     if bad.any():
@@ -44,7 +44,7 @@ def refuse_too_large(rows: float, cols: float, side: float) -> None:
         )
 
 
-def refuse_too_far(low: NDArray[np.float64], high: NDArray[np.float64], side: float) -> None:
+def refuse_too_far(low: Array, high: Array, side: float) -> None:
     """Raise `MapError` if cells lie too far from the world's origin for doubles to resolve them."""
     farthest = float(np.maximum(np.abs(low), np.abs(high)).max())
     if farthest > _FARTHEST_CELL:
@@ -54,9 +54,7 @@ def refuse_too_far(low: NDArray[np.float64], high: NDArray[np.float64], side: fl
         )
 
 
-def refuse_too_much_memory(
-    walls: NDArray[np.float64], rows: int, cols: int, side: float, offset: tuple[int, int]
-) -> None:
+def refuse_too_much_memory(walls: Array, rows: int, cols: int, side: float, offset: tuple[int, int]) -> None:
     """Raise `MapError` if the cells that walls touch could take more than 400 MB."""
     needed = _grid_bytes(walls, rows, cols, side, offset)
     if needed <= _MOST_GRID_BYTES:
@@ -74,7 +72,7 @@ def refuse_too_much_memory(
     )
 
 
-def _grid_bytes(walls: NDArray[np.float64], rows: int, cols: int, side: float, offset: tuple[int, int]) -> float:
+def _grid_bytes(walls: Array, rows: int, cols: int, side: float, offset: tuple[int, int]) -> float:
     """Upper bound of the memory [bytes] of the cells that walls touch: every wall counts its own pages."""
     low = np.minimum(walls[:, :2], walls[:, 2:]) / side - offset
     high = np.maximum(walls[:, :2], walls[:, 2:]) / side - offset

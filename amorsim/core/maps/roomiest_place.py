@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from amorsim.arrays import Bools, Ints
 
 __all__ = ["inside", "joined", "joined_to", "room_about", "roomiest"]
 
 
-def roomiest(free: NDArray[np.bool_]) -> tuple[int, int, int] | None:
+def roomiest(free: Bools) -> tuple[int, int, int] | None:
     """`(row, col, room)` of the free cell with most room: in the middle of a free square of 2 room - 1 cells.
 
     None if nothing is free.
@@ -28,13 +29,13 @@ def roomiest(free: NDArray[np.bool_]) -> tuple[int, int, int] | None:
     return int(row) - 1, int(col) - 1, room
 
 
-def joined(free: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def joined(free: Bools) -> Bools:
     """The free cells connected to the roomiest place by free cells; none if no cell is free."""
     found = roomiest(free)
     return np.zeros_like(free) if found is None else joined_to(free, found[0], found[1])
 
 
-def joined_to(free: NDArray[np.bool_], row: int, col: int) -> NDArray[np.bool_]:
+def joined_to(free: Bools, row: int, col: int) -> Bools:
     """The free cells connected to a given free cell by free cells that share a side."""
     padded = np.pad(free, 1)
     reached = np.zeros_like(padded)
@@ -43,7 +44,7 @@ def joined_to(free: NDArray[np.bool_], row: int, col: int) -> NDArray[np.bool_]:
     return reached[1:-1, 1:-1]
 
 
-def inside(free: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def inside(free: Bools) -> Bools:
     """The free cells that are inside a building, or all free cells if there is none."""
     padded = np.pad(free, 1)
     enclosed = _enclosed(padded)
@@ -52,7 +53,7 @@ def inside(free: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return left[1:-1, 1:-1]
 
 
-def room_about(free: NDArray[np.bool_]) -> NDArray[np.int64]:
+def room_about(free: Bools) -> Ints:
     """For each cell the `room` of the largest free square of 2 room - 1 cells around it; 0 if it is not free."""
     left = np.pad(free, 1)
     room = np.zeros(left.shape, dtype=np.int64)
@@ -62,7 +63,7 @@ def room_about(free: NDArray[np.bool_]) -> NDArray[np.int64]:
     return room[1:-1, 1:-1]
 
 
-def _eroded(left: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _eroded(left: Bools) -> Bools:
     """The cells of a padded array whose eight neighbours are true as well."""
     across = np.zeros_like(left)
     across[:, 1:-1] = left[:, :-2] & left[:, 1:-1] & left[:, 2:]
@@ -71,7 +72,7 @@ def _eroded(left: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return eroded
 
 
-def _enclosed(padded: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _enclosed(padded: Bools) -> Bools:
     """Free cells of a padded array that are not connected to its border; none if the search takes too long."""
     reached = np.zeros_like(padded)
     for edge in (np.s_[1], np.s_[-2], np.s_[:, 1], np.s_[:, -2]):
@@ -80,7 +81,7 @@ def _enclosed(padded: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return padded & ~reached if is_whole else np.zeros_like(padded)
 
 
-def _spread(padded: NDArray[np.bool_], reached: NDArray[np.bool_], rounds: int) -> tuple[NDArray[np.bool_], bool]:
+def _spread(padded: Bools, reached: Bools, rounds: int) -> tuple[Bools, bool]:
     """The free cells of a padded array connected to `reached`, and whether `rounds` were enough to find all."""
     # Each blocked cell begins a run of its row (or column); what reaches one free cell of a run reaches all
     # of it.

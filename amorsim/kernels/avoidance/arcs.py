@@ -11,14 +11,11 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-import numpy.typing as npt
-
+from amorsim.arrays import Array
 from amorsim.kernels.compile import part
 
 __all__ = ["Box", "distance_to_box", "free_time", "keep_room"]
 
-Floats = npt.NDArray[np.float64]
 
 _STRAIGHT = 1e-6  # [1/m] arcs of less curvature count as straight: over 10 m they differ by 0.05 mm
 _SPARE = 1e-9  # [rad] that a point may have passed by rounding
@@ -45,7 +42,7 @@ def distance_to_box(x: float, y: float, box: Box) -> float:
 
 
 @part
-def keep_room(points: Floats, box: Box, room: float, nearer_than: float, out: Floats) -> int:
+def keep_room(points: Array, box: Box, room: float, nearer_than: float, out: Array) -> int:
     """Copy the points (2, p) nearer than `nearer_than` [m] to the rectangle into `out` (3, p); returns their number.
 
     The third number of each is the radius about the rectangle that must not meet it: `room` [m], or a little less than
@@ -166,7 +163,7 @@ def _way_until(x: float, y: float, room: float, box: Box) -> float:
 
 
 @part
-def free_time(points: Floats, count: int, v: float, w: float, box: Box, enough: float, least: float) -> float:
+def free_time(points: Array, count: int, v: float, w: float, box: Box, enough: float, least: float) -> float:
     """For how long [s] a body may keep a twist (v [m/s], w [rad/s]) before it meets the first of `count` points.
 
     `points` (3, p) are from `keep_room`. Returns no more than `enough`. A result below `least` may be too long: the

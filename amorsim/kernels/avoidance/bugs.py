@@ -5,17 +5,13 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
+from amorsim.arrays import Array, Bools
 from amorsim.kernels.avoidance.histogram import block_sectors
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.kinematics.poses import wrap
 
 __all__ = ["BUG_COLUMNS", "bug2", "nearness", "tangent_bug"]
 
-Floats = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
 Column = Any
 
 BUG_COLUMNS = 7
@@ -34,7 +30,7 @@ def _sector(bearing: float, sectors: int) -> int:
 
 
 @part
-def _nearest(points: Floats) -> tuple[float, float]:
+def _nearest(points: Array) -> tuple[float, float]:
     """The distance [m] and the bearing [rad] of the nearest point (2, p); inf if there is none."""
     least = math.inf
     bearing = 0.0
@@ -49,7 +45,7 @@ def _nearest(points: Floats) -> tuple[float, float]:
 
 
 @part
-def _remember(memory: Floats, pose: Floats, gx: float, gy: float) -> None:
+def _remember(memory: Array, pose: Array, gx: float, gy: float) -> None:
     """Note the goal; a new one begins a new line from here."""
     if math.sqrt((memory[0] - gx) ** 2 + (memory[1] - gy) ** 2) > 0.05 or math.isnan(memory[0]):
         memory[0], memory[1], memory[2], memory[3] = gx, gy, pose[0], pose[1]
@@ -61,7 +57,7 @@ def _remember(memory: Floats, pose: Floats, gx: float, gy: float) -> None:
 
 @part
 def _look(
-    points: Floats, room: float, target: Floats, pose: Floats, far: float, blocked: Bools, memory: Floats
+    points: Array, room: float, target: Array, pose: Array, far: float, blocked: Bools, memory: Array
 ) -> tuple[float, float]:
     """Note the goal, and mark the sectors that are blocked nearer than it within `far` [m].
 
@@ -75,7 +71,7 @@ def _look(
 
 
 @part
-def _along_border(points: Floats, keep: float) -> float:
+def _along_border(points: Array, keep: float) -> float:
     """The direction along the nearest surface, which stays to the right at a distance [m]."""
     distance, bearing = _nearest(points)
     lean = min(max(_CORRECTION * (distance - keep), -0.7), 0.7)
@@ -84,15 +80,15 @@ def _along_border(points: Floats, keep: float) -> float:
 
 @kernel
 def bug2(
-    points: Floats,
-    room: Floats,
-    target: Floats,
-    pose: Floats,
+    points: Array,
+    room: Array,
+    target: Array,
+    pose: Array,
     far: Column,
     dt: float,
     blocked: Bools,
-    memory: Floats,
-    bearing: Floats,
+    memory: Array,
+    bearing: Array,
 ) -> None:
     """Directions by Bug2, into `bearing` (N, 1).
 
@@ -118,15 +114,15 @@ def bug2(
 
 @kernel
 def tangent_bug(
-    points: Floats,
-    room: Floats,
-    target: Floats,
-    pose: Floats,
+    points: Array,
+    room: Array,
+    target: Array,
+    pose: Array,
     far: Column,
     dt: float,
     blocked: Bools,
-    memory: Floats,
-    bearing: Floats,
+    memory: Array,
+    bearing: Array,
 ) -> None:
     """Directions by a tangent bug, into `bearing` (N, 1).
 
@@ -178,13 +174,13 @@ def tangent_bug(
 
 @kernel
 def nearness(
-    points: Floats,
-    room: Floats,
-    target: Floats,
+    points: Array,
+    room: Array,
+    target: Array,
     far: Column,
     near: Column,
     blocked: Bools,
-    bearing: Floats,
+    bearing: Array,
 ) -> None:
     """Directions by a nearness diagram, into `bearing` (N, 1), nan where there is no region to go to.
 

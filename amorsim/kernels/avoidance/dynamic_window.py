@@ -6,8 +6,8 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools
 from amorsim.kernels.avoidance.arcs import Box, distance_to_box, free_time, keep_room
 from amorsim.kernels.avoidance.guide import Guide, ahead_on, find_leg, to_go
 from amorsim.kernels.behaviours.free_space import Sight, see_points
@@ -26,8 +26,6 @@ __all__ = [
     "slowed",
 ]
 
-Floats = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
 # A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
 Column = Any
 
@@ -47,11 +45,11 @@ class Scene(NamedTuple):
 
     sight: Sight
     """What range finders read."""
-    age: Floats
+    age: Array
     """[s] of these readings, (N, 1)."""
-    behind: Floats
+    behind: Array
     """(N, E, 3) places x, y [m] in the world near the robot's way, and when each was seen [s]."""
-    time: Floats
+    time: Array
     """[s] now, (N, 1)."""
 
 
@@ -64,11 +62,11 @@ class Abilities(NamedTuple):
     """(N, 1) [m/s] backwards."""
     turn_rate: Column
     """(N, 1) [rad/s]"""
-    limits: Floats
+    limits: Array
     """Of the drive, (N, 4): speed, turn, and how fast each changes. Both share the same motors."""
-    curvature_max: Floats
+    curvature_max: Array
     """(N, 1) [1/m]; inf for one that turns in place."""
-    lag: Floats
+    lag: Array
     """(N, 1) [s] of its motors."""
 
 
@@ -90,21 +88,21 @@ class Weights(NamedTuple):
 
 
 @part
-def braking_time(v: float, w: float, limits: Floats) -> float:
+def braking_time(v: float, w: float, limits: Array) -> float:
     """The time [s] in which a drive can stop from a twist along the same arc."""
     time: float = abs(v) / limits[2] + abs(w) / limits[3]
     return time
 
 
 @part
-def slowed(v: float, w: float, limits: Floats, dt: float) -> float:
+def slowed(v: float, w: float, limits: Array, dt: float) -> float:
     """The part of a twist that is left after `dt` [s] of braking along the same arc."""
     time = braking_time(v, w, limits)
     return 1.0 - dt / time if time > dt else 0.0
 
 
 @part
-def moved_on(points: Floats, v: float, w: float, age: float) -> None:
+def moved_on(points: Array, v: float, w: float, age: float) -> None:
     """Move points (3, p) to where they are in the body's frame after it moved with a twist for `age` [s]."""
     if age <= 0.0 or (v == 0.0 and w == 0.0):
         return
@@ -125,7 +123,7 @@ def moved_on(points: Floats, v: float, w: float, age: float) -> None:
 
 
 @kernel
-def keep_behind(scene: Scene, pose: Floats, moving: Floats, first: int, end: int) -> None:
+def keep_behind(scene: Scene, pose: Array, moving: Array, first: int, end: int) -> None:
     """Keep the places that robots at `pose` (N, 3) see next to them in `scene.behind`, in place of the oldest there."""
     sight, behind = scene.sight, scene.behind
     points = np.empty((3, sight.ranges.shape[1] * sight.samples))
@@ -161,7 +159,7 @@ def keep_behind(scene: Scene, pose: Floats, moving: Floats, first: int, end: int
 
 
 @part
-def field_of_view(beams: Floats) -> tuple[float, float]:
+def field_of_view(beams: Array) -> tuple[float, float]:
     """The least and the largest direction [rad] of a range finder's values, `beams` (5, k)."""
     low, high = math.inf, -math.inf
     for j in range(beams.shape[1]):
@@ -171,7 +169,7 @@ def field_of_view(beams: Floats) -> tuple[float, float]:
 
 
 @part
-def is_in_view(beams: Floats, low: float, high: float, x: float, y: float) -> bool:
+def is_in_view(beams: Array, low: float, high: float, x: float, y: float) -> bool:
     """Whether a place in the body's frame lies between the outermost directions of `field_of_view`."""
     bearing = math.atan2(y - beams[1, 0], x - beams[0, 0])
     return low - _EDGE <= bearing <= high + _EDGE
@@ -179,7 +177,7 @@ def is_in_view(beams: Floats, low: float, high: float, x: float, y: float) -> bo
 
 @part
 def _add_behind(
-    behind: Floats, beams: Floats, pose: Floats, since: float, box: Box, room: float, count: int, out: Floats
+    behind: Array, beams: Array, pose: Array, since: float, box: Box, room: float, count: int, out: Array
 ) -> int:
     """Add what is out of sight (E, 3) to `count` points of `keep_room`; returns their number."""
     low, high = field_of_view(beams)
@@ -208,18 +206,18 @@ def _add_behind(
 @kernel
 def choose_twists(
     scene: Scene,
-    pose: Floats,
+    pose: Array,
     box: Box,
     guide: Guide,
     able: Abilities,
     weights: Weights,
     active: Bools,
     dt: float,
-    moving: Floats,
+    moving: Array,
     first: int,
     end: int,
-    arcs: Floats,
-    out: Floats,
+    arcs: Array,
+    out: Array,
 ) -> None:
     """Twists along a path that touch nothing seen, into `out` (N, 3), for the rows from `first` to `end`.
 

@@ -5,23 +5,18 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-import numpy.typing as npt
-
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.compile import part
 
 __all__ = ["Guide", "ahead_on", "find_leg", "to_go"]
-
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 
 class Guide(NamedTuple):
     """The paths of N robots, of P points at most."""
 
-    path: Floats
+    path: Array
     """(N, P, 2) [m] the corners of each in the world, one at least; the last is the goal."""
-    along: Floats
+    along: Array
     """(N, P) [m] their distances along the path."""
     size: Ints
     """(N,) how many points each has."""
@@ -30,7 +25,7 @@ class Guide(NamedTuple):
 
 
 @part
-def _on_leg(path: Floats, along: Floats, leg: int, x: float, y: float) -> tuple[float, float]:
+def _on_leg(path: Array, along: Array, leg: int, x: float, y: float) -> tuple[float, float]:
     """How far along the path [m] the place of a leg nearest to (x, y) is, and the distance [m] to it."""
     ux = path[leg + 1, 0] - path[leg, 0]
     uy = path[leg + 1, 1] - path[leg, 1]
@@ -46,7 +41,7 @@ def _on_leg(path: Floats, along: Floats, leg: int, x: float, y: float) -> tuple[
 
 
 @part
-def find_leg(path: Floats, along: Floats, count: int, leg: int, far: float, x: float, y: float) -> tuple[int, float]:
+def find_leg(path: Array, along: Array, count: int, leg: int, far: float, x: float, y: float) -> tuple[int, float]:
     """The leg nearest to (x, y), from `leg` on and `far` [m] beyond at most, and how far along the path [m] that is."""
     best = math.inf
     found = min(max(leg, 0), max(count - 2, 0))
@@ -66,7 +61,7 @@ def find_leg(path: Floats, along: Floats, count: int, leg: int, far: float, x: f
 
 
 @part
-def ahead_on(path: Floats, along: Floats, count: int, leg: int, s: float) -> tuple[float, float]:
+def ahead_on(path: Array, along: Array, count: int, leg: int, s: float) -> tuple[float, float]:
     """The place `s` [m] along the path, on `leg` or later; its end beyond that."""
     for j in range(leg, count - 1):
         if along[j + 1] >= s and along[j + 1] > along[j]:
@@ -76,7 +71,7 @@ def ahead_on(path: Floats, along: Floats, count: int, leg: int, s: float) -> tup
 
 
 @part
-def to_go(path: Floats, along: Floats, count: int, leg: int, until: float, pull: float, x: float, y: float) -> float:
+def to_go(path: Array, along: Array, count: int, leg: int, until: float, pull: float, x: float, y: float) -> float:
     """The way [m] from (x, y) to the end: to the path, weighted by `pull`, and along it.
 
     Legs from `leg` on are looked at that begin before `until` [m] along the path.

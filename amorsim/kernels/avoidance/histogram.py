@@ -5,23 +5,19 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
+from amorsim.arrays import Array, Bools
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.kinematics.poses import wrap
 
 __all__ = ["block_sectors", "choose_openings"]
 
-Floats = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
 Column = Any
 
 _WIDE = 8  # sectors: an opening of more has directions along both of its sides and towards the goal
 
 
 @part
-def block_sectors(points: Floats, room: float, far: float, blocked: Bools) -> None:
+def block_sectors(points: Array, room: float, far: float, blocked: Bools) -> None:
     """Mark the sectors (S,) around a disc that points (2, p) within `far` [m] block; sector 0 begins at -pi.
 
     A point at the distance d blocks the directions within asin(room / d) of its own: the disc of radius `room` [m]
@@ -47,7 +43,7 @@ def block_sectors(points: Floats, room: float, far: float, blocked: Bools) -> No
 
 
 @part
-def _cost(bearing: float, goal: float, last: float, weights: Floats) -> float:
+def _cost(bearing: float, goal: float, last: float, weights: Array) -> float:
     """The cost of a direction: of its angles from the goal, the present heading and the last choice."""
     cost: float = weights[0] * abs(wrap(bearing - goal)) + weights[1] * abs(wrap(bearing))
     cost += weights[2] * abs(wrap(bearing - last))
@@ -56,15 +52,15 @@ def _cost(bearing: float, goal: float, last: float, weights: Floats) -> float:
 
 @kernel
 def choose_openings(
-    points: Floats,
-    room: Floats,
+    points: Array,
+    room: Array,
     far: Column,
-    target: Floats,
-    weights: Floats,
+    target: Array,
+    weights: Array,
     first: int,
     end: int,
     blocked: Bools,
-    chosen: Floats,
+    chosen: Array,
 ) -> None:
     """Directions through openings, for the rows from `first` to `end`, by VFH+.
 

@@ -9,14 +9,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
+from amorsim.arrays import Array
 from amorsim.kernels.compile import kernel, part
 
 __all__ = ["free_way_among", "human_velocities"]
 
-Floats = npt.NDArray[np.float64]
 Column = Any
 
 _WIDEST = 1.6  # [rad] from the way to the goal
@@ -24,9 +21,7 @@ _TOUCHING = 1e-6  # [m] that others are kept away at least, so that a robot may 
 
 
 @part
-def free_way_among(
-    others: Floats, c: float, s: float, speed: float, room: float, horizon: float, moving: bool
-) -> float:
+def free_way_among(others: Array, c: float, s: float, speed: float, room: float, horizon: float, moving: bool) -> float:
     """The way [m] in the direction (c, s) at `speed` [m/s] before a disc meets another, `horizon` at most.
 
     `others` (M, 5) are places x, y [m] from the disc, velocities [m/s] and radii [m]; `room` [m] is its own radius with
@@ -54,8 +49,8 @@ def free_way_among(
 
 @kernel
 def human_velocities(
-    others: Floats,
-    target: Floats,
+    others: Array,
+    target: Array,
     room: Column,
     speed: Column,
     reaction: Column,
@@ -63,8 +58,8 @@ def human_velocities(
     turns: int,
     first: int,
     end: int,
-    ways: Floats,
-    out: Floats,
+    ways: Array,
+    out: Array,
 ) -> None:
     """The velocities of robots among others, into `out` (N, 2) [m/s], for the rows from `first` to `end`.
 

@@ -10,14 +10,12 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools
 from amorsim.kernels.compile import inlined, kernel, part
 
 __all__ = ["hybrid_velocities"]
 
-Floats = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
 Column = Any
 
 _SPARE = 1e-9  # [m/s] by which a velocity may be inside by rounding
@@ -25,7 +23,7 @@ _ROUNDING = 1e-9  # part of the squares of speeds that they are off by at most
 
 
 @part
-def _obstacle(x: float, y: float, vx: float, vy: float, own: Floats, both: float, out: Floats) -> None:
+def _obstacle(x: float, y: float, vx: float, vy: float, own: Array, both: float, out: Array) -> None:
     """The cone of velocities that lead into another, into `out` (6,): apex, and the directions of both sides.
 
     `out[2:4]` is the right side, `out[4:6]` the left one, seen from the apex. The apex lies between that of the
@@ -58,7 +56,7 @@ def _obstacle(x: float, y: float, vx: float, vy: float, own: Floats, both: float
 
 
 @inlined
-def _is_inside(cones: Floats, j: int, x: float, y: float) -> bool:
+def _is_inside(cones: Array, j: int, x: float, y: float) -> bool:
     """Whether a velocity is in cone `j`."""
     dx, dy = x - cones[j, 0], y - cones[j, 1]
     left_of_right = cones[j, 2] * dy - cones[j, 3] * dx
@@ -79,7 +77,7 @@ class Wish(NamedTuple):
 
 
 @part
-def _add(cones: Floats, clear: int, wish: Wish, x: float, y: float, count: int, out: Floats) -> int:
+def _add(cones: Array, clear: int, wish: Wish, x: float, y: float, count: int, out: Array) -> int:
     """Add a velocity to `count` of them if it is near enough and outside the first `clear` cones; their number."""
     if x * x + y * y > wish.most * wish.most * (1.0 + 1e-9) or _off(wish, x, y) > wish.off:
         return count
@@ -98,7 +96,7 @@ def _off(wish: Wish, x: float, y: float) -> float:
 
 
 @part
-def _add_alone(cones: Floats, clear: int, wish: Wish, a: int, count: int, out: Floats) -> int:
+def _add_alone(cones: Array, clear: int, wish: Wish, a: int, count: int, out: Array) -> int:
     """Add, as `_add` does, where side `a` is nearest to the wanted velocity, and where it meets the top speed's circle.
 
     Cone j has the sides 2 j and 2 j + 1.
@@ -120,7 +118,7 @@ def _add_alone(cones: Floats, clear: int, wish: Wish, a: int, count: int, out: F
 
 
 @part
-def _is_useful(cones: Floats, wish: Wish, a: int) -> bool:
+def _is_useful(cones: Array, wish: Wish, a: int) -> bool:
     """Whether anything on side `a` may be slow enough, and near enough to the wanted velocity, but for rounding."""
     ax, ay = cones[a // 2, 0], cones[a // 2, 1]
     dx, dy = cones[a // 2, 2 + 2 * (a % 2)], cones[a // 2, 3 + 2 * (a % 2)]
@@ -131,7 +129,7 @@ def _is_useful(cones: Floats, wish: Wish, a: int) -> bool:
 
 
 @part
-def _add_crossings(cones: Floats, clear: int, wish: Wish, a: int, useful: Bools, count: int, out: Floats) -> int:
+def _add_crossings(cones: Array, clear: int, wish: Wish, a: int, useful: Bools, count: int, out: Array) -> int:
     """Add, as `_add` does, where side `a` meets those earlier sides that are `useful`."""
     ax, ay = cones[a // 2, 0], cones[a // 2, 1]
     dx, dy = cones[a // 2, 2 + 2 * (a % 2)], cones[a // 2, 3 + 2 * (a % 2)]
@@ -152,15 +150,15 @@ def _add_crossings(cones: Floats, clear: int, wish: Wish, a: int, useful: Bools,
 
 @kernel
 def hybrid_velocities(
-    others: Floats,
-    own: Floats,
-    wanted: Floats,
+    others: Array,
+    own: Array,
+    wanted: Array,
     radius: Column,
     speed: Column,
     first: int,
     end: int,
-    cones: Floats,
-    out: Floats,
+    cones: Array,
+    out: Array,
 ) -> None:
     """The velocities of robots among others, into `out` (N, 2) [m/s], for the rows from `first` to `end`.
 

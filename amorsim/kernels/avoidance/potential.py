@@ -6,13 +6,12 @@ import math
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.kernels.compile import kernel
 
 __all__ = ["push_away"]
 
-Floats = npt.NDArray[np.float64]
 Column = Any
 
 _LEAST = 0.02  # [m] to which distances are rounded up
@@ -22,7 +21,7 @@ _NO_FORCE = 0.05  # of the attraction: less is none
 
 @kernel
 def push_away(
-    points: Floats, room: Floats, target: Floats, strength: Column, far: Column, force: Floats, bearing: Floats
+    points: Array, room: Array, target: Array, strength: Column, far: Column, force: Array, bearing: Array
 ) -> None:
     """Directions of the force, into `bearing` (N, 1) [rad], nan where it is about 0, and forces, into `force` (N, 2).
 

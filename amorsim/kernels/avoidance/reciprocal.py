@@ -10,13 +10,12 @@ import math
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.kernels.compile import kernel, part
 
 __all__ = ["half_plane", "nearest_velocity", "reciprocal_velocities"]
 
-Floats = npt.NDArray[np.float64]
 Column = Any
 
 _PARALLEL = 1e-5  # determinant of two directions that count as parallel
@@ -33,7 +32,7 @@ def half_plane(
     both: float,
     horizon: float,
     dt: float,
-    out: Floats,
+    out: Array,
 ) -> None:
     """The border of the velocities that ORCA permits, into `out` (4,): a point on it, and its direction; free left.
 
@@ -73,7 +72,7 @@ def half_plane(
 
 
 @part
-def _on_line(lines: Floats, number: int, most: float, wx: float, wy: float, farthest: bool, out: Floats) -> bool:
+def _on_line(lines: Array, number: int, most: float, wx: float, wy: float, farthest: bool, out: Array) -> bool:
     """The best velocity on a border among those that earlier ones permit, into `out` (2,); whether there is any."""
     px, py, dx, dy = lines[number, 0], lines[number, 1], lines[number, 2], lines[number, 3]
     dot = px * dx + py * dy
@@ -106,7 +105,7 @@ def _on_line(lines: Floats, number: int, most: float, wx: float, wy: float, fart
 
 
 @part
-def _within(lines: Floats, count: int, most: float, wx: float, wy: float, farthest: bool, out: Floats) -> int:
+def _within(lines: Array, count: int, most: float, wx: float, wy: float, farthest: bool, out: Array) -> int:
     """The best velocity that all borders permit, into `out` (2,); the number of the first that cannot be kept."""
     size = math.sqrt(wx * wx + wy * wy)
     out[0] = wx
@@ -126,9 +125,7 @@ def _within(lines: Floats, count: int, most: float, wx: float, wy: float, farthe
 
 
 @part
-def nearest_velocity(
-    lines: Floats, count: int, most: float, wx: float, wy: float, scratch: Floats, out: Floats
-) -> bool:
+def nearest_velocity(lines: Array, count: int, most: float, wx: float, wy: float, scratch: Array, out: Array) -> bool:
     """The velocity nearest to (wx, wy), no faster than `most`, that `count` borders (n, 4) permit, into `out` (2,).
 
     If none is permitted by all, the one that breaks the worst of them least. Returns whether all are kept. `scratch`
@@ -173,17 +170,17 @@ def nearest_velocity(
 
 @kernel
 def reciprocal_velocities(
-    others: Floats,
-    own: Floats,
-    wanted: Floats,
+    others: Array,
+    own: Array,
+    wanted: Array,
     radius: Column,
     speed: Column,
     horizon: Column,
     dt: float,
     first: int,
     end: int,
-    lines: Floats,
-    out: Floats,
+    lines: Array,
+    out: Array,
 ) -> None:
     """The velocities of robots among others, into `out` (N, 2) [m/s], for the rows from `first` to `end`.
 

@@ -6,8 +6,8 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.kernels.avoidance.dynamic_window import Abilities, moved_on
 from amorsim.kernels.avoidance.guide import Guide, find_leg, to_go
 from amorsim.kernels.behaviours.free_space import Sight, see_points
@@ -15,7 +15,6 @@ from amorsim.kernels.compile import kernel, part
 
 __all__ = ["Costs", "Field", "distances", "roll_out"]
 
-Floats = npt.NDArray[np.float64]
 Column = Any
 
 
@@ -46,7 +45,7 @@ class Costs(NamedTuple):
 
 
 @part
-def distances(points: Floats, field: Field, out: Floats) -> None:
+def distances(points: Array, field: Field, out: Array) -> None:
     """The distance [m] from the middle of each cell (S, S) to the nearest point (3, p), 1 m at most, into `out`.
 
     Of points in one cell the last counts as its middle: two sweeps of a chamfer, within 4.2 % of the distance.
@@ -90,7 +89,7 @@ def distances(points: Floats, field: Field, out: Floats) -> None:
 
 
 @part
-def _room(far: Floats, field: Field, x: float, y: float) -> float:
+def _room(far: Array, field: Field, x: float, y: float) -> float:
     """The distance [m] at a place; that of far away outside the window."""
     col = math.floor(x / field.side) + field.cells // 2
     row = math.floor(y / field.side) + field.cells // 2
@@ -102,19 +101,19 @@ def _room(far: Floats, field: Field, x: float, y: float) -> float:
 @kernel
 def roll_out(
     sight: Sight,
-    age: Floats,
-    pose: Floats,
-    discs: Floats,
+    age: Array,
+    pose: Array,
+    discs: Array,
     field: Field,
     guide: Guide,
     able: Abilities,
     costs: Costs,
-    noise: Floats,
+    noise: Array,
     step: float,
-    moving: Floats,
+    moving: Array,
     first: int,
     end: int,
-    plan: Floats,
+    plan: Array,
 ) -> None:
     """Better plans of twists for the rows from `first` to `end`, into `plan` (N, T, 2): v [m/s] and w [rad/s].
 

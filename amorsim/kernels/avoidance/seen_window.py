@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.kernels.avoidance.arcs import Box, distance_to_box, free_time, keep_room
 from amorsim.kernels.avoidance.dynamic_window import braking_time, field_of_view, is_in_view, moved_on, slowed
 from amorsim.kernels.avoidance.guide import find_leg
@@ -20,8 +21,6 @@ from amorsim.kernels.compile import kernel, part
 
 __all__ = ["Window", "guard", "look_along", "remember"]
 
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 Column = Any
 
 _NEVER = -1e30  # [s]
@@ -57,7 +56,7 @@ def _move(seen: npt.NDArray[np.float32], corner: Ints, col: int, row: int) -> No
 
 
 @kernel
-def remember(sight: Sight, pose: Floats, time: Floats, fresh: Ints, window: Window, first: int, end: int) -> None:
+def remember(sight: Sight, pose: Array, time: Array, fresh: Ints, window: Window, first: int, end: int) -> None:
     """Note the cells in which robots at `pose` (N, 3) see something, at `time` (N, 1), where `fresh` (N,) is not 0."""
     points = np.empty((3, sight.ranges.shape[1] * sight.samples))
     size = window.seen.shape[1]
@@ -108,16 +107,16 @@ def _is_near(
 
 @kernel
 def look_along(
-    pose: Floats,
-    path: Floats,
-    along: Floats,
+    pose: Array,
+    path: Array,
+    along: Array,
     count: Ints,
     leg: Ints,
     window: Window,
-    since: Floats,
-    room: Floats,
+    since: Array,
+    room: Array,
     far: Column,
-    out: Floats,
+    out: Array,
 ) -> None:
     """How far along its path each robot is, how much is left, and where it first leads past something: (N, 3) [m].
 
@@ -150,18 +149,18 @@ def look_along(
 @kernel
 def guard(
     sight: Sight,
-    age: Floats,
-    pose: Floats,
+    age: Array,
+    pose: Array,
     box: Box,
-    margin: Floats,
-    limits: Floats,
+    margin: Array,
+    limits: Array,
     window: Window,
-    since: Floats,
-    wanted: Floats,
-    active: npt.NDArray[np.bool_],
+    since: Array,
+    wanted: Array,
+    active: Bools,
     dt: float,
-    moving: Floats,
-    out: Floats,
+    moving: Array,
+    out: Array,
 ) -> None:
     """Twists as `wanted` (N, 2), v and w, where the robots can brake from them; else they brake. Into `out` (N, 3).
 

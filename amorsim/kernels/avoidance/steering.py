@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
+from amorsim.arrays import Array
 from amorsim.kernels.avoidance.dynamic_window import moved_on
 from amorsim.kernels.avoidance.guide import Guide, ahead_on, find_leg
 from amorsim.kernels.behaviours.free_space import Sight, see_points
@@ -15,12 +13,11 @@ from amorsim.kernels.compile import kernel
 
 __all__ = ["aims", "bearing_twists", "points_seen", "twists_towards"]
 
-Floats = npt.NDArray[np.float64]
 Column = Any
 
 
 @kernel
-def aims(pose: Floats, guide: Guide, look: Column, out: Floats) -> None:
+def aims(pose: Array, guide: Guide, look: Column, out: Array) -> None:
     """The place `look` (N, 1) [m] ahead on each robot's path, in its own frame, into `out` (N, 2) [m]."""
     for i in range(pose.shape[0]):
         x, y = pose[i, 0], pose[i, 1]
@@ -37,15 +34,15 @@ def aims(pose: Floats, guide: Guide, look: Column, out: Floats) -> None:
 
 @kernel
 def twists_towards(
-    velocity: Floats,
+    velocity: Array,
     speed: Column,
     turn_rate: Column,
     time: Column,
-    relaxation: Floats,
-    limits: Floats,
+    relaxation: Array,
+    limits: Array,
     dt: float,
-    moving: Floats,
-    out: Floats,
+    moving: Array,
+    out: Array,
 ) -> None:
     """Twists by which robots that cannot move sideways follow velocities (N, 2) in their own frames, into `out` (N, 3).
 
@@ -81,7 +78,7 @@ def twists_towards(
 
 
 @kernel
-def points_seen(sight: Sight, age: Floats, moving: Floats, first: int, end: int, out: Floats) -> None:
+def points_seen(sight: Sight, age: Array, moving: Array, first: int, end: int, out: Array) -> None:
     """The points that robots see, in their own frames now, into `out` (N, 3, p) [m]; inf for none."""
     for i in range(first, end):
         see_points(sight.ranges[i], sight.beams[i], sight.half_angle[i, 0], out[i])
@@ -90,15 +87,15 @@ def points_seen(sight: Sight, age: Floats, moving: Floats, first: int, end: int,
 
 @kernel
 def bearing_twists(
-    points: Floats,
-    bearing: Floats,
-    target: Floats,
+    points: Array,
+    bearing: Array,
+    target: Array,
     speed: Column,
     turn_rate: Column,
     time: Column,
-    room: Floats,
+    room: Array,
     slow: Column,
-    out: Floats,
+    out: Array,
 ) -> None:
     """Twists (v, w) that turn robots to bearings (N, 1), into `out` (N, 2); nan turns in place to the target.
 

@@ -10,9 +10,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-import numpy.typing as npt
-
+from amorsim.arrays import Array
 from amorsim.kernels.compile import part
 
 __all__ = [
@@ -26,7 +24,6 @@ __all__ = [
     "see_points",
 ]
 
-Floats = npt.NDArray[np.float64]
 
 _ARC_SAMPLES = 7  # points that stand for the arc on which a sonar's return lies
 _DOUBT = 0.05  # [m] by which a point must be nearer than another cone's reading to be ruled out by it
@@ -44,19 +41,19 @@ _ABEAM_COUNT = 8  # directions about abeam, twice that far between
 class Sight(NamedTuple):
     """The readings and the beams of the range finders of N robots."""
 
-    ranges: Floats
+    ranges: Array
     """(N, k) [m]"""
-    beams: Floats
+    beams: Array
     """(N, 5, k) where each range is seen from and which way: poses in the robot's frame, cosine and sine of the
     heading."""
-    half_angle: Floats
+    half_angle: Array
     """(N, 1) half the angle of the cone about that [rad]."""
     samples: int
     """The number of points for a return: 1 for a beam, more on the arc of a cone."""
 
 
 @part
-def see_points(ranges: Floats, beams: Floats, half_angle: float, points: Floats) -> None:
+def see_points(ranges: Array, beams: Array, half_angle: float, points: Array) -> None:
     """Points of returns, x and y [m] in the robot's frame, into `points` (3, p); inf for no return.
 
     Its last row is scratch space, for values computed from the points.
@@ -92,7 +89,7 @@ def see_points(ranges: Floats, beams: Floats, half_angle: float, points: Floats)
 
 
 @part
-def _seen_past(ranges: Floats, beams: Floats, half_angle: float, own: int, x: float, y: float) -> bool:
+def _seen_past(ranges: Array, beams: Array, half_angle: float, own: int, x: float, y: float) -> bool:
     """Whether a cone other than `own` holds the point and has its nearest return farther away."""
     for j in range(ranges.shape[0]):
         if j == own or math.isnan(ranges[j]):
@@ -108,7 +105,7 @@ def _seen_past(ranges: Floats, beams: Floats, half_angle: float, own: int, x: fl
 
 
 @part
-def _least(numbers: Floats) -> float:
+def _least(numbers: Array) -> float:
     """The least of some numbers, which are overwritten: halves are compared, several numbers at a time."""
     count = numbers.shape[0]
     if count == 0:
@@ -124,7 +121,7 @@ def _least(numbers: Floats) -> float:
 
 
 @part
-def free_way(points: Floats, bearing: float, half_width: float, spread: float) -> float:
+def free_way(points: Array, bearing: float, half_width: float, spread: float) -> float:
     """How far [m] a disc of radius `half_width` goes along `bearing` before it meets a point.
 
     With a `spread` above 0 points count as so much nearer to the way, per metre that they are ahead: the robot may
@@ -144,7 +141,7 @@ def free_way(points: Floats, bearing: float, half_width: float, spread: float) -
 
 
 @part
-def nearest_distance(points: Floats) -> float:
+def nearest_distance(points: Array) -> float:
     """Distance [m] from the base point to the nearest point."""
     squares = points[2]
     for n in range(points.shape[1]):
@@ -153,7 +150,7 @@ def nearest_distance(points: Floats) -> float:
 
 
 @part
-def nearest_side(points: Floats) -> float:
+def nearest_side(points: Array) -> float:
     """The side of the nearest point: 1 left, -1 right."""
     nearest = math.inf
     side = 1.0
@@ -166,7 +163,7 @@ def nearest_side(points: Floats) -> float:
 
 
 @part
-def _worth(pose: Floats, trail: Floats, visits: int, bearing: float, free: float) -> float:
+def _worth(pose: Array, trail: Array, visits: int, bearing: float, free: float) -> float:
     """The score of a direction: places along the free path; those near the robot's trail count little."""
     heading = pose[2] + bearing
     c = math.cos(heading)
@@ -188,7 +185,7 @@ def _worth(pose: Floats, trail: Floats, visits: int, bearing: float, free: float
 
 
 @part
-def find_opening(points: Floats, view: Floats, half_width: float, side: float) -> tuple[float, float]:
+def find_opening(points: Array, view: Array, half_width: float, side: float) -> tuple[float, float]:
     """The longest way [m] about abeam on one side (1 for the left, -1 for the right), and its bearing [rad]."""
     longest = 0.0
     found = side * _ABEAM_FIRST
@@ -203,19 +200,19 @@ def find_opening(points: Floats, view: Floats, half_width: float, side: float) -
 
 
 @part
-def directions_within(view: Floats) -> int:
+def directions_within(view: Array) -> int:
     """The number of bearings that `choose_direction` weighs in a view (least, greatest bearing [rad])."""
     return int((view[1] - view[0]) / _SPREAD) + 1
 
 
 @part
 def choose_direction(
-    points: Floats,
-    weights: Floats,
-    view: Floats,
+    points: Array,
+    weights: Array,
+    view: Array,
     half_width: float,
-    pose: Floats,
-    trail: Floats,
+    pose: Array,
+    trail: Array,
     visits: int,
     draw: float,
     bar: float,

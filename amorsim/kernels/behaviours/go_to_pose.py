@@ -5,16 +5,13 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
+from amorsim.arrays import Array
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.kinematics.actuation import respond
 from amorsim.kernels.kinematics.poses import wrap
 
 __all__ = ["approach", "head_for"]
 
-Floats = npt.NDArray[np.float64]
 # A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
 Column = Any
 
@@ -37,17 +34,17 @@ def approach(error: float, limit: float, braking: float, dt: float) -> float:
 
 @kernel
 def head_for(
-    pose: Floats,
-    goal: Floats,
+    pose: Array,
+    goal: Array,
     speed: Column,
     turn_rate: Column,
-    tolerance: Floats,
-    limits: Floats,
-    lag: Floats,
+    tolerance: Array,
+    limits: Array,
+    lag: Array,
     dt: float,
-    moving: Floats,
-    turning: Floats,
-    out: Floats,
+    moving: Array,
+    turning: Array,
+    out: Array,
 ) -> None:
     """Twists towards goals and whether they are reached, into `out` (N, 4): forward, left, turn, 1 or 0.
 

@@ -6,25 +6,22 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.collision.body_hash import BodyHash, run_of_bodies, window
 from amorsim.kernels.compile import kernel
 
 __all__ = ["Crowd", "Looking", "find_neighbours"]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-
 
 class Crowd(NamedTuple):
     """All bodies of all replicas, T of them."""
 
-    poses: Floats
+    poses: Array
     """(T, 3)"""
-    twists: Floats
+    twists: Array
     """(T, 3) [m/s, m/s, rad/s], each in its body's frame."""
-    reach: Floats
+    reach: Array
     """(T,) radius [m] of each body's circle."""
     owner: Ints
     """(T,) the body that each is a part of, or itself."""
@@ -37,9 +34,9 @@ class Looking(NamedTuple):
     """(N,) each row's own body."""
     replica: Ints
     """(N,)"""
-    range_max: Floats
+    range_max: Array
     """(N,) how far [m] a row looks from its base point."""
-    ahead: Floats
+    ahead: Array
     """(N,) for how long [s] others are taken to come nearer at their present speed."""
 
 

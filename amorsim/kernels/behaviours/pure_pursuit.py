@@ -5,16 +5,12 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-import numpy as np
-import numpy.typing as npt
-
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.behaviours.go_to_pose import approach
 from amorsim.kernels.compile import kernel
 
 __all__ = ["Course", "Pace", "follow_trail", "pursue"]
 
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 # A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
 Column = Any
 
@@ -25,9 +21,9 @@ _SETTLED = 0.05  # [rad] until it is right by this much
 class Course(NamedTuple):
     """The paths of N robots."""
 
-    path: Floats
+    path: Array
     """Points of each, (N, p, 2) [m]; no two in turn are the same."""
-    along: Floats
+    along: Array
     """Their distances along the path, (N, p) [m]."""
     stops: Ints
     """The point at which a robot on each leg stops next, (N, p - 1): it turns about there, or the path ends; -1 for
@@ -43,14 +39,14 @@ class Pace(NamedTuple):
     """(N, 1) [m/s]"""
     turn_rate: Column
     """(N, 1) [rad/s]"""
-    limits: Floats
+    limits: Array
     """Of the drive, (N, 4)."""
-    curvature_max: Floats
+    curvature_max: Array
     """(N, 1) [1/m]; inf for one that turns in place."""
 
 
 @kernel
-def _advance(path: Floats, along: Floats, s: float, most: float, loops: bool, x: float, y: float) -> float:
+def _advance(path: Array, along: Array, s: float, most: float, loops: bool, x: float, y: float) -> float:
     """How far along the path the place nearest to (x, y) is, from `s` on and `most` farther at most."""
     last = along.shape[0] - 1
     if loops:  # once round is all there is, however far it looks
@@ -85,7 +81,7 @@ def _advance(path: Floats, along: Floats, s: float, most: float, loops: bool, x:
 
 
 @kernel
-def _place(path: Floats, along: Floats, s: float, loops: bool) -> tuple[float, float]:
+def _place(path: Array, along: Array, s: float, loops: bool) -> tuple[float, float]:
     """The place `s` along the path; beyond its end straight on, or round again."""
     last = along.shape[0] - 1
     if loops and s > along[last]:
@@ -98,7 +94,7 @@ def _place(path: Floats, along: Floats, s: float, loops: bool) -> tuple[float, f
 
 
 @kernel
-def _leg(along: Floats, s: float, loops: bool) -> int:
+def _leg(along: Array, s: float, loops: bool) -> int:
     """The leg of the path at `s`, by the number of its first point."""
     last = along.shape[0] - 1
     if loops and s >= along[last]:
@@ -110,7 +106,7 @@ def _leg(along: Floats, s: float, loops: bool) -> int:
 
 
 @kernel
-def _until(along: Floats, stop: int, s: float) -> float:
+def _until(along: Array, stop: int, s: float) -> float:
     """The distance from `s` to the next stop of the path, inf if there is none."""
     if stop < 0:
         return math.inf
@@ -122,7 +118,7 @@ def _until(along: Floats, stop: int, s: float) -> float:
 
 
 @kernel
-def _beyond(path: Floats, stop: int, way: float) -> tuple[float, float]:
+def _beyond(path: Array, stop: int, way: float) -> tuple[float, float]:
     """The place so far beyond the stop, straight on along the leg that leads there."""
     dx = path[stop, 0] - path[stop - 1, 0]
     dy = path[stop, 1] - path[stop - 1, 1]
@@ -132,18 +128,18 @@ def _beyond(path: Floats, stop: int, way: float) -> tuple[float, float]:
 
 @kernel
 def _steer(
-    pose: Floats,
+    pose: Array,
     x: float,
     y: float,
     way: float,
     left: float,
     fastest: float,
     turn_rate: float,
-    limits: Floats,
+    limits: Array,
     curvature_max: float,
     dt: float,
-    moving: Floats,
-    out: Floats,
+    moving: Array,
+    out: Array,
 ) -> None:
     """A twist towards a place, with `left` metres to drive: along the circle that leads there.
 
@@ -183,16 +179,16 @@ def _steer(
 
 @kernel
 def pursue(
-    pose: Floats,
+    pose: Array,
     course: Course,
     lookahead: Column,
     tolerance: Column,
     pace: Pace,
     dt: float,
-    progress: Floats,
-    way: Floats,
-    moving: Floats,
-    out: Floats,
+    progress: Array,
+    way: Array,
+    moving: Array,
+    out: Array,
 ) -> None:
     """Twists along paths, into `out` (N, 3).
 
@@ -255,8 +251,8 @@ def pursue(
 
 @kernel
 def follow_trail(
-    pose: Floats,
-    seen: Floats,
+    pose: Array,
+    seen: Array,
     gap: Column,
     gain: Column,
     lookahead: Column,
@@ -264,10 +260,10 @@ def follow_trail(
     patience: Column,
     spacing: float,
     dt: float,
-    trail: Floats,
-    memory: Floats,
-    moving: Floats,
-    out: Floats,
+    trail: Array,
+    memory: Array,
+    moving: Array,
+    out: Array,
 ) -> None:
     """Twists along the places where a leader was seen, into `out` (N, 3).
 

@@ -5,16 +5,12 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-import numpy as np
-import numpy.typing as npt
-
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.kinematics.poses import wrap
 
 __all__ = ["BACK", "ONCE", "ROUND", "Progress", "follow_route"]
 
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 # A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
 Column = Any
 
@@ -30,11 +26,11 @@ class Progress(NamedTuple):
 
     following: Ints  # number of the next waypoint; that of all of them when the last was passed
     way: Ints  # 1 forwards through the list, -1 backwards
-    rest: Floats  # [s] that is left of a pause
+    rest: Array  # [s] that is left of a pause
     last_following: Ints
     last_way: Ints
-    last_rest: Floats
-    blocked: Floats  # [s] for which it has been blocked without a break
+    last_rest: Array
+    blocked: Array  # [s] for which it has been blocked without a break
 
 
 @part
@@ -52,7 +48,7 @@ def _after(number: int, way: int, count: int, order: int) -> tuple[int, int]:
 
 
 @part
-def _time_around(points: Floats, speed: float, pause: float, order: int) -> float:
+def _time_around(points: Array, speed: float, pause: float, order: int) -> float:
     """The time from a waypoint to the same one again, with pauses [s]; inf if that is never or at once."""
     count = points.shape[0]
     if order == ONCE:
@@ -79,11 +75,11 @@ def _time_around(points: Floats, speed: float, pause: float, order: int) -> floa
 
 @kernel
 def follow_route(
-    poses: Floats,
-    free: Floats,
-    points: Floats,
+    poses: Array,
+    free: Array,
+    points: Array,
     progress: Progress,
-    ways: Floats,
+    ways: Array,
     speed: Column,
     pause: Column,
     patience: Column,

@@ -6,15 +6,13 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.kernels import elementary
 from amorsim.kernels.compile import kernel, part
 
 __all__ = ["NEGLIGIBLE", "Passers", "Walls", "range_of", "social_forces"]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 NEGLIGIBLE = 1e-7
 """Forces [m/s^2] from about here on down count as none."""
@@ -22,7 +20,7 @@ LEAST = 1e-6  # [m] to which semi-axes and distances are rounded up
 SLACK = 1e-6  # [m] more than any rounding of a distance
 
 
-def range_of(strength: Floats, width: Floats, ahead: Floats, relative: Floats, later: Floats, pace: Floats) -> Floats:
+def range_of(strength: Array, width: Array, ahead: Array, relative: Array, later: Array, pace: Array) -> Array:
     """The distance [m] within which others have forces on a pedestrian that are not negligible; elementwise.
 
     Others come nearer for `ahead` + `later` [s]; `social_forces` leaves out bodies that are farther away. `pace` is the
@@ -35,22 +33,22 @@ def range_of(strength: Floats, width: Floats, ahead: Floats, relative: Floats, l
 class Passers(NamedTuple):
     """The bodies that the pedestrians may meet; of all replicas, T of them."""
 
-    poses: Floats
+    poses: Array
     """(T, 3) x, y [m], heading [rad]."""
-    twists: Floats
+    twists: Array
     """(T, 3) [m/s, m/s, rad/s], each in its body's frame."""
-    reach: Floats
+    reach: Array
     """(T,) radius [m] of each body's circle."""
-    is_robot: NDArray[np.bool_]
+    is_robot: Bools
     """(T,)"""
 
 
 class Walls(NamedTuple):
     """The walls around each pedestrian."""
 
-    distances: Floats
+    distances: Array
     """(N, k) [m], inf for none; those that are least among their neighbours count."""
-    bearings: Floats
+    bearings: Array
     """(k, 2) cosine and sine of the direction of each, evenly around."""
 
 
@@ -90,13 +88,13 @@ def social_forces(
     own: Ints,
     first: Ints,
     body: Ints,
-    velocity: Floats,
-    wanted: Floats,
+    velocity: Array,
+    wanted: Array,
     walls: Walls,
-    numbers: Floats,
+    numbers: Array,
     begin: int,
     end: int,
-    out: Floats,
+    out: Array,
 ) -> None:
     """Accelerations [m/s^2] by which others and walls repel pedestrians, after some time at constant velocities.
 

@@ -6,14 +6,13 @@ import math
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.kernels.behaviours.free_space import Sight, free_way, see_points
 from amorsim.kernels.compile import kernel
 
 __all__ = ["follow_wall"]
 
-Floats = npt.NDArray[np.float64]
 # A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
 Column = Any
 
@@ -32,10 +31,10 @@ def follow_wall(
     distance: Column,
     speed: Column,
     turn_rate: Column,
-    limits: Floats,
-    curvature_max: Floats,
-    memory: Floats,
-    out: Floats,
+    limits: Array,
+    curvature_max: Array,
+    memory: Array,
+    out: Array,
 ) -> None:
     """Twists that keep a wall at `distance` (N, 1) [m] from the base point, into `out` (N, 3).
 

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.kernels.behaviours.free_space import (
     choose_direction,
     directions_within,
@@ -22,7 +23,6 @@ from amorsim.kernels.random.philox import pairs
 
 __all__ = ["BODY_COLUMNS", "MEMORY_COLUMNS", "Chance", "Wish", "wander"]
 
-Floats = npt.NDArray[np.float64]
 # A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
 Column = Any
 
@@ -81,15 +81,15 @@ _TIME_TO_STOP = 0.8  # [s] the way ahead is never driven faster than in this tim
 
 @part
 def _choose(
-    points: Floats,
-    weights: Floats,
-    body: Floats,
+    points: Array,
+    weights: Array,
+    body: Array,
     clearance: float,
-    pose: Floats,
-    trail: Floats,
-    draws: Floats,
+    pose: Array,
+    trail: Array,
+    draws: Array,
     bar: float,
-    memory: Floats,
+    memory: Array,
 ) -> int:
     """Choose a direction; returns the next action, with the angle to turn in the memory."""
     swing = body[_SWING] + clearance
@@ -114,7 +114,7 @@ def _choose(
 
 
 @part
-def _looks_in(points: Floats, body: Floats, clearance: float, draw: float, memory: Floats) -> bool:
+def _looks_in(points: Array, body: Array, clearance: float, draw: float, memory: Array) -> bool:
     """Whether a door seems to be abeam that the robot takes; the angle is then in the memory."""
     looks = False
     for n in range(2):
@@ -128,16 +128,16 @@ def _looks_in(points: Floats, body: Floats, clearance: float, draw: float, memor
 
 @part
 def _decide(
-    points: Floats,
-    weights: Floats,
+    points: Array,
+    weights: Array,
     age: float,
-    pose: Floats,
-    body: Floats,
+    pose: Array,
+    body: Array,
     clearance: float,
     speed_max: float,
-    trail: Floats,
-    draws: Floats,
-    memory: Floats,
+    trail: Array,
+    draws: Array,
+    memory: Array,
 ) -> int:
     """The action of this step, from the robot's last action and what it sees."""
     mode = int(memory[_MODE])
@@ -184,19 +184,19 @@ def _decide(
 
 @part
 def _wander_row(
-    points: Floats,
-    weights: Floats,
+    points: Array,
+    weights: Array,
     age: float,
-    pose: Floats,
-    body: Floats,
+    pose: Array,
+    body: Array,
     speed: float,
     turn_rate: float,
     clearance: float,
-    draws: Floats,
+    draws: Array,
     dt: float,
-    memory: Floats,
-    trail: Floats,
-    out: Floats,
+    memory: Array,
+    trail: Array,
+    out: Array,
 ) -> None:
     visits = int(memory[_VISITS])
     last = (visits - 1) % trail.shape[0]
@@ -272,13 +272,13 @@ class Chance(NamedTuple):
 
 @kernel
 def wander(
-    ranges: Floats,
-    beams: Floats,
-    half_angle: Floats,
+    ranges: Array,
+    beams: Array,
+    half_angle: Array,
     samples: int,
-    age: Floats,
-    pose: Floats,
-    body: Floats,
+    age: Array,
+    pose: Array,
+    body: Array,
     speed: Column,
     turn_rate: Column,
     clearance: Column,
@@ -286,11 +286,11 @@ def wander(
     counter: npt.NDArray[np.uint32],
     block: int,
     dt: float,
-    memory: Floats,
-    trail: Floats,
+    memory: Array,
+    trail: Array,
     first: int,
     end: int,
-    out: Floats,
+    out: Array,
 ) -> None:
     """Twists (forward, left, turn) [m/s, m/s, rad/s] of wandering robots, into `out` (N, 3).
 

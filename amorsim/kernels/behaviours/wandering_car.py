@@ -6,15 +6,14 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.kernels.behaviours.free_space import Sight, see_points
 from amorsim.kernels.behaviours.wandering import Wish
 from amorsim.kernels.compile import kernel
 
 __all__ = ["CAR_COLUMNS", "CarBody", "wander_car"]
 
-Floats = npt.NDArray[np.float64]
 
 # Columns of the memory of a row.
 _BACKING = 0  # [m] still to go back, 0 where it drives ahead
@@ -47,15 +46,15 @@ class CarBody(NamedTuple):
     """so far behind it, a negative number,"""
     half_width: float
     """and so far to either side."""
-    limits: Floats
+    limits: Array
     """Of the drive, (N, 4)."""
-    curvature_max: Floats
+    curvature_max: Array
     """(N, 1) [1/m]"""
 
 
 @kernel
 def _on_the_way(
-    points: Floats, near: Floats, bend: float, front: float, rear: float, half_width: float, horizon: float
+    points: Array, near: Array, bend: float, front: float, rear: float, half_width: float, horizon: float
 ) -> int:
     """How many of `points` (2, p) the footprint may meet along an arc of curvature `bend`; they come into `near`.
 
@@ -88,7 +87,7 @@ def _on_the_way(
 
 @kernel
 def _room(
-    points: Floats, near: Floats, bend: float, front: float, rear: float, half_width: float, horizon: float
+    points: Array, near: Array, bend: float, front: float, rear: float, half_width: float, horizon: float
 ) -> float:
     """The way [m] of the footprint along an arc of curvature `bend` until one of `points` (2, p) is in it.
 
@@ -120,7 +119,7 @@ def _room(
 
 @kernel
 def _best_arc(
-    points: Floats, near: Floats, lean: float, sharpest: float, body: CarBody, keep: float
+    points: Array, near: Array, lean: float, sharpest: float, body: CarBody, keep: float
 ) -> tuple[float, float]:
     """The room [m] on the best arc, and its curvature: most room, less its difference from the preferred arc.
 
@@ -154,17 +153,17 @@ def _best_arc(
 @kernel
 def wander_car(
     sight: Sight,
-    pose: Floats,
+    pose: Array,
     body: CarBody,
     wish: Wish,
-    draws: Floats,
+    draws: Array,
     dt: float,
-    memory: Floats,
-    trail: Floats,
-    seen: Floats,
+    memory: Array,
+    trail: Array,
+    seen: Array,
     first: int,
     end: int,
-    out: Floats,
+    out: Array,
 ) -> None:
     """Twists of wandering cars, into `out` (N, 3).
 

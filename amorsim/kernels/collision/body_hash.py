@@ -13,15 +13,13 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.kernels.collision.footprints import rounding_slack
 from amorsim.kernels.compile import kernel, part
 
 __all__ = ["BodyHash", "hash_bodies", "pairs_within", "run_of_bodies", "window"]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # All cells farther than this from the world's origin are one [cells].
 FARTHEST = 2.0**50
@@ -40,7 +38,7 @@ class BodyHash(NamedTuple):
     """The body of each entry, (T,); in order within a bucket."""
     owner: Ints
     """The body that it is a part of, or itself, (T,)."""
-    disc: Floats
+    disc: Array
     """The circle that holds it: x, y, radius [m], (T, 3)."""
 
 
@@ -81,7 +79,7 @@ def run_of_bodies(
 
 
 @kernel
-def hash_bodies(poses: Floats, reach: Floats, owner: Ints, replica_first: Ints, table: BodyHash) -> None:
+def hash_bodies(poses: Array, reach: Array, owner: Ints, replica_first: Ints, table: BodyHash) -> None:
     """Write `first`, `body`, `owner` and `disc` of `table` for bodies at `poses` (T, 3) with this `reach` [m] (T,).
 
     `owner` (T,) is the body that each is a part of, or itself. Bodies of replica r are
@@ -112,9 +110,7 @@ def hash_bodies(poses: Floats, reach: Floats, owner: Ints, replica_first: Ints, 
 
 
 @kernel
-def pairs_within(
-    table: BodyHash, replica: Ints, looks: NDArray[np.bool_], poses: Floats, radius: Floats, out: Ints
-) -> int:
+def pairs_within(table: BodyHash, replica: Ints, looks: Bools, poses: Array, radius: Array, out: Ints) -> int:
     """Number of pairs of bodies of one replica whose circles meet, at least one of them in `looks`; in no fixed order.
 
     If both look, the wider one finds the other, or the first of two that are equally wide. So a body that moves far

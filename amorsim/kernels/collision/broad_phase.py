@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.collision.body_hash import BodyHash, run_of_bodies, window
 from amorsim.kernels.collision.clearance import has_room, map_gap
 from amorsim.kernels.collision.paths import OTHER, SLACK, STANDS, Scene, bound_of, end_of, padded
@@ -20,8 +21,6 @@ from amorsim.kernels.compile import kernel, part
 
 __all__ = ["NEAR_BODY", "NEAR_WALL", "Clearance", "look_around", "set_out"]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 NEAR_WALL = 1
 NEAR_BODY = 2
@@ -36,29 +35,29 @@ NEAR = 4.0
 class Clearance(NamedTuple):
     """The known clearance of each body; kept from step to step."""
 
-    at: Floats
+    at: Array
     """The poses for which it holds, (T, 3). If a body is elsewhere, its whole replica is looked at again."""
-    walls: Floats
+    walls: Array
     """Lower bounds of the gaps to the walls [m], (T,); 0 or less where nothing is known."""
-    others: Floats
+    others: Array
     """Lower bounds of the gaps to all other bodies of the replica [m], (T,)."""
 
 
 @kernel
 def set_out(
-    start: Floats,
-    motion: Floats,
+    start: Array,
+    motion: Array,
     form: NDArray[np.uint8],
-    travel: Floats,
-    bound: Floats,
-    stop: Floats,
-    reach: Floats,
+    travel: Array,
+    bound: Array,
+    stop: Array,
+    reach: Array,
     replica_first: Ints,
-    at: Floats,
-    walls: Floats,
-    others: Floats,
-    end: Floats,
-    fastest: Floats,
+    at: Array,
+    walls: Array,
+    others: Array,
+    end: Array,
+    fastest: Array,
     looking: Ints,
 ) -> int:
     """Begin the step of all bodies; returns the number of those whose clearance does not last for it.
@@ -132,7 +131,7 @@ def _needed(bound: float, fastest: float) -> tuple[float, float]:
 
 @part
 def _gap_to_others(
-    start: Floats, reach: float, table: BodyHash, replica: int, owner: int, widest: float, within: float
+    start: Array, reach: float, table: BodyHash, replica: int, owner: int, widest: float, within: float
 ) -> float:
     """The least gap [m] between the circle of a body and that of another owner's body; `within` if none is nearer.
 
@@ -168,7 +167,7 @@ def look_around(
     replica: Ints,
     owner: Ints,
     by_place: BodyHash,
-    fastest: Floats,
+    fastest: Array,
     widest: float,
     clearance: Clearance,
     near: NDArray[np.uint8],

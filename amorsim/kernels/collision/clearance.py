@@ -12,8 +12,8 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.collision.footprints import Bodies, most_vertices, place_body, rounding_slack
 from amorsim.kernels.collision.part_and_box import Box, part_bounds, part_distance, part_separation
 from amorsim.kernels.compile import kernel
@@ -21,8 +21,6 @@ from amorsim.kernels.grid.grid import Grid, box_is_free
 
 __all__ = ["has_room", "map_gap", "map_gaps"]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 FIRST_LOOK = 64.0
 """Radius [cells] of the first search around a body; each later one goes four times as far."""
@@ -34,12 +32,12 @@ def _try_word(
     row: int,
     col: int,
     resolution: float,
-    edges: Floats,
+    edges: Array,
     first: int,
     last: int,
     bounds: Box,
     overlap: float,
-    nearest: Floats,
+    nearest: Array,
 ) -> None:
     """Lower `nearest` (distance, x, y) to that of the occupied cells of a word that begins at (row, col).
 
@@ -107,11 +105,11 @@ def _try_word(
 def _try_cells(
     grid: Grid,
     cells: tuple[int, int, int, int],
-    edges: Floats,
+    edges: Array,
     first: int,
     last: int,
     overlap: float,
-    nearest: Floats,
+    nearest: Array,
 ) -> None:
     """Lower `nearest` as `_try_word` does, for one part and all words of a box of cells inside the map."""
     row0, col0, row1, col1 = cells
@@ -161,7 +159,7 @@ def _try_cells(
 
 
 @kernel
-def _try_outside(grid: Grid, edges: Floats, rows: int, nearest: Floats) -> None:
+def _try_outside(grid: Grid, edges: Array, rows: int, nearest: Array) -> None:
     """Lower `nearest` to the distance of vertices 0 to `rows` - 1 to outside the map, negative there."""
     width = grid.cols * grid.resolution
     height = grid.rows * grid.resolution
@@ -191,7 +189,7 @@ def _cell(place: float, resolution: float, beyond: int, limit: int) -> int:
 
 
 @kernel
-def _in_map(origin_x: float, origin_y: float, yaw: float, reach: float, pose: Floats) -> tuple[float, float, float]:
+def _in_map(origin_x: float, origin_y: float, yaw: float, reach: float, pose: Array) -> tuple[float, float, float]:
     """Where a body at `pose` (3,) is in the map's frame (x, y), and the slack [m] for the rounding of its gaps."""
     cos = math.cos(yaw)
     sin = math.sin(yaw)
@@ -215,7 +213,7 @@ def _circle_is_free(grid: Grid, x: float, y: float, radius: float) -> bool:
 
 
 @kernel
-def has_room(grid: Grid, origin_x: float, origin_y: float, yaw: float, reach: float, pose: Floats, room: float) -> bool:
+def has_room(grid: Grid, origin_x: float, origin_y: float, yaw: float, reach: float, pose: Array, room: float) -> bool:
     """Whether the square around the circle of a body at `pose` (3,) is free of walls for another `room` [m].
 
     If so, its gap to the walls is `room` or more; if not, it may still be.
@@ -232,10 +230,10 @@ def map_gap(
     yaw: float,
     bodies: Bodies,
     body: int,
-    pose: Floats,
+    pose: Array,
     cap: float,
-    edges: Floats,
-    nearest: Floats,
+    edges: Array,
+    nearest: Array,
 ) -> None:
     """Write the signed gap [m] of `body` at `pose` (3,), and where, to `nearest` (3,), as in `map_gaps`.
 
@@ -306,10 +304,10 @@ def map_gaps(
     yaw: float,
     bodies: Bodies,
     body: Ints,
-    poses: Floats,
-    cap: Floats,
-    out: Floats,
-    where: Floats,
+    poses: Array,
+    cap: Array,
+    out: Array,
+    where: Array,
 ) -> None:
     """Write the signed gap [m] between each body and the nearest occupied cell, no more than `cap`.
 

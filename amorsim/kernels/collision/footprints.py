@@ -12,14 +12,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.compile import kernel
 
 __all__ = ["Bodies", "body_gap", "body_gaps", "most_vertices", "place_body", "rounding_slack"]
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 class Bodies(NamedTuple):
@@ -30,11 +27,11 @@ class Bodies(NamedTuple):
     than ``reach[b]`` from its origin.
     """
 
-    vertices: Floats
+    vertices: Array
     vertex_first: Ints
     part_first: Ints
-    radius: Floats
-    reach: Floats
+    radius: Array
+    reach: Array
 
 
 @kernel
@@ -55,7 +52,7 @@ def most_vertices(bodies: Bodies, chosen: Ints) -> int:
 
 
 @kernel
-def place_body(bodies: Bodies, body: int, x: float, y: float, cos: float, sin: float, edges: Floats) -> None:
+def place_body(bodies: Bodies, body: int, x: float, y: float, cos: float, sin: float, edges: Array) -> None:
     """Write the vertices of `body`, turned by (cos, sin) and moved to (x, y), and the edges that begin there.
 
     A row of `edges` (V, 5): the vertex, the outward normal of its edge (as long as the edge), and the inverse
@@ -81,7 +78,7 @@ def place_body(bodies: Bodies, body: int, x: float, y: float, cos: float, sin: f
 
 
 @kernel
-def _separation(edges: Floats, first: int, last: int, others: Floats, other_first: int, other_last: int) -> float:
+def _separation(edges: Array, first: int, last: int, others: Array, other_first: int, other_last: int) -> float:
     """The largest distance [m] by which all of the other part is outside one edge; negative if outside none."""
     most = -math.inf
     if last - first < 2:
@@ -96,7 +93,7 @@ def _separation(edges: Floats, first: int, last: int, others: Floats, other_firs
 
 
 @kernel
-def _nearest_edge(edges: Floats, first: int, last: int, x: float, y: float) -> float:
+def _nearest_edge(edges: Array, first: int, last: int, x: float, y: float) -> float:
     """The distance [m] from a point to the nearest edge that it is abreast of; inf if it is abreast of none."""
     nearest = math.inf
     for i in range(first, last):
@@ -111,7 +108,7 @@ def _nearest_edge(edges: Floats, first: int, last: int, x: float, y: float) -> f
 
 
 @kernel
-def _distance(edges: Floats, first: int, last: int, others: Floats, other_first: int, other_last: int) -> float:
+def _distance(edges: Array, first: int, last: int, others: Array, other_first: int, other_last: int) -> float:
     """Distance [m] between two convex parts that are apart."""
     nearest = math.inf
     square = math.inf
@@ -132,12 +129,12 @@ def _distance(edges: Floats, first: int, last: int, others: Floats, other_first:
 def body_gap(
     bodies: Bodies,
     a: int,
-    pose_a: Floats,
+    pose_a: Array,
     b: int,
-    pose_b: Floats,
+    pose_b: Array,
     cap: float,
-    edges_a: Floats,
-    edges_b: Floats,
+    edges_a: Array,
+    edges_b: Array,
 ) -> float:
     """Signed gap [m] between body `a` at `pose_a` (3,) and `b` at `pose_b`, as in `body_gaps`.
 
@@ -182,7 +179,7 @@ def body_gap(
 
 
 @kernel
-def body_gaps(bodies: Bodies, a: Ints, poses_a: Floats, b: Ints, poses_b: Floats, cap: Floats, out: Floats) -> None:
+def body_gaps(bodies: Bodies, a: Ints, poses_a: Array, b: Ints, poses_b: Array, cap: Array, out: Array) -> None:
     """Write the signed gap [m] of each pair of bodies, no more than `cap`.
 
     A gap of 0 or more: the interiors are disjoint, and the gap is their Euclidean distance less what rounding

@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from amorsim.arrays import Array
 from amorsim.kernels.compile import kernel
 
 __all__ = ["Box", "part_bounds", "part_distance", "part_separation"]
 
-Floats = NDArray[np.float64]
 Box = tuple[float, float, float, float]
 
 
 @kernel
-def part_bounds(edges: Floats, first: int, last: int) -> Box:
+def part_bounds(edges: Array, first: int, last: int) -> Box:
     """Least x, least y, largest x, largest y [m] of the vertices of a part."""
     low_x = math.inf
     low_y = math.inf
@@ -31,7 +28,7 @@ def part_bounds(edges: Floats, first: int, last: int) -> Box:
 
 
 @kernel
-def part_separation(edges: Floats, first: int, last: int, bounds: Box, box: Box, enough: float) -> float:
+def part_separation(edges: Array, first: int, last: int, bounds: Box, box: Box, enough: float) -> float:
     """Separation [m] of a convex part and a box (x0, y0, x1, y1) along a side of either; negative: overlap.
 
     Never more than their distance, and equal to it for a part of one vertex. Stops early at `enough` or more.
@@ -58,7 +55,7 @@ def part_separation(edges: Floats, first: int, last: int, bounds: Box, box: Box,
 
 
 @kernel
-def part_distance(edges: Floats, first: int, last: int, box: Box) -> tuple[float, float, float]:
+def part_distance(edges: Array, first: int, last: int, box: Box) -> tuple[float, float, float]:
     """Distance [m] between a convex part and a box that are apart, and the nearest point of the box."""
     x0, y0, x1, y1 = box
     square = math.inf

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.collision.footprints import Bodies
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.grid.grid import Grid
@@ -34,8 +35,6 @@ __all__ = [
     "poses_at",
 ]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # Forms of a path.
 STANDS = 0
@@ -53,15 +52,15 @@ LEAST = 1e-15  # [m]
 class Paths(NamedTuple):
     """The paths of bodies 0 to T - 1 through a step."""
 
-    start: Floats
+    start: Array
     """Poses at the start, (T, 3)."""
-    motion: Floats
+    motion: Array
     """For an arc, the twist over the whole step; for others, the displacement, in the body's frame, (T, 3)."""
     form: NDArray[np.uint8]
     """`STANDS`, `ARC`, `LINE` or `OTHER`, (T,)."""
-    bound: Floats
+    bound: Array
     """A part f of the step takes no point of a body farther than f times this [m], (T,)."""
-    stop: Floats
+    stop: Array
     """The fraction of the step after which each body stands still, 1 if it meets nothing, (T,)."""
 
 
@@ -79,7 +78,7 @@ class Scene(NamedTuple):
 
 
 @kernel
-def pose_at(paths: Paths, body: int, fraction: float, out: Floats) -> None:
+def pose_at(paths: Paths, body: int, fraction: float, out: Array) -> None:
     """Write the pose (3,) of a body at a fraction of the step; if it stopped before, where it stopped.
 
     On a path of form `OTHER` only fraction 0 is right.
@@ -104,7 +103,7 @@ def pose_at(paths: Paths, body: int, fraction: float, out: Floats) -> None:
 
 
 @kernel
-def poses_at(paths: Paths, bodies: Ints, fraction: Floats, out: Floats) -> None:
+def poses_at(paths: Paths, bodies: Ints, fraction: Array, out: Array) -> None:
     """Write the poses (Q, 3) of bodies (Q,) at fractions (Q,) of the step; see `pose_at`."""
     for q in range(out.shape[0]):
         pose_at(paths, bodies[q], fraction[q], out[q])
@@ -123,7 +122,7 @@ def padded(travel: float) -> float:
 
 
 @kernel
-def end_of(start: Floats, motion: Floats, form: int) -> tuple[float, float, float]:
+def end_of(start: Array, motion: Array, form: int) -> tuple[float, float, float]:
     """The pose at the end of a path from `start` (3,)."""
     ahead = motion[0]
     left = motion[1]

@@ -15,8 +15,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.kernels.collision.clearance import map_gap
 from amorsim.kernels.collision.footprints import body_gap
 from amorsim.kernels.collision.paths import SLACK, Paths, Scene, pose_at
@@ -24,8 +24,6 @@ from amorsim.kernels.compile import kernel, part
 
 __all__ = ["FINEST", "MET", "ROUNDING", "WAITING", "WALL", "Search", "resolve"]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 WALL = -1
 # What poses and gaps are uncertain by, from rounding, some metres from the origin.
@@ -53,31 +51,31 @@ class Search(NamedTuple):
     """Bodies, in order, (Q,)."""
     b: Ints
     """The other body, or `WALL`, (Q,)."""
-    asks: NDArray[np.bool_]
+    asks: Bools
     """Whether the caller has to write poses, as a path is of form `OTHER`, (Q,)."""
-    answered: NDArray[np.bool_]
+    answered: Bools
     """Whether it has, (Q,)."""
     stage: Ints
     """What is looked for at `fraction`: 0 to begin with, (Q,)."""
-    fraction: Floats
+    fraction: Array
     """Where to look at the pair, (Q,)."""
-    poses: Floats
+    poses: Array
     """Poses of both there, (Q, 2, 3)."""
-    known: Floats
+    known: Array
     """Poses of both at which they are known to be free, and such at which they overlap, nan if none, (Q, 2, 2, 3)."""
-    speed: Floats
+    speed: Array
     """The gap closes by no more than this [m] in a whole step, (Q,)."""
-    free: Floats
+    free: Array
     """The last fraction known to be free, (Q,)."""
-    hit: Floats
+    hit: Array
     """The first one known to overlap; inf until there is one, (Q,)."""
-    gap: Floats
+    gap: Array
     """At `free` [m]; nan if not known, (Q,)."""
-    guess: Floats
+    guess: Array
     """The fraction at which the gap would be 0, by its slope, (Q,)."""
     looks: Ints
     """Looks ahead so far, and steps of narrowing, (Q, 2)."""
-    time: Floats
+    time: Array
     """What was found: the last free fraction before the pair first overlaps, inf if it never does, (Q,)."""
     first: Ints
     """The pairs of body i are entries ``first[i]:first[i + 1]`` of `of_body`, (T + 1,)."""
@@ -88,7 +86,7 @@ class Search(NamedTuple):
     """The pairs to search, all at first, (Q,); after a call those that wait."""
     met: Ints
     """The pairs that met, in order of time, (Q,)."""
-    when: Floats
+    when: Array
     """The fractions at which they did, (Q,)."""
     used: Ints
     """Number of entries used of `todo` and of `met`, (2,)."""
@@ -117,7 +115,7 @@ def _begin(paths: Paths, s: Search, q: int) -> None:
 
 
 @part
-def _look(scene: Scene, s: Search, q: int, edges: Floats, nearest: Floats) -> float:
+def _look(scene: Scene, s: Search, q: int, edges: Array, nearest: Array) -> float:
     """The gap [m] of pair q at its poses; for a probe only its sign counts.
 
     Close to a contact many fractions lead to the same poses, so the answers for two sets of poses are kept.
@@ -222,7 +220,7 @@ def _next(s: Search, q: int, look: float, shortest: float) -> None:
 
 
 @part
-def _search(scene: Scene, s: Search, q: int, shortest: float, most_looks: int, edges: Floats, nearest: Floats) -> bool:
+def _search(scene: Scene, s: Search, q: int, shortest: float, most_looks: int, edges: Array, nearest: Array) -> bool:
     """Search pair q until its time is found, nan after too many looks; False if it waits for poses."""
     paths = scene.paths
     if s.stage[q] == _BEGIN:
@@ -244,7 +242,7 @@ def _search(scene: Scene, s: Search, q: int, shortest: float, most_looks: int, e
 
 
 @part
-def _enter(tree: Ints, time: Floats, leaf: int) -> None:
+def _enter(tree: Ints, time: Array, leaf: int) -> None:
     """Replay a tournament's matches from one leaf up: the earlier wins, the lower index if they are equal."""
     half = tree.shape[0] // 2
     node = (half + leaf) // 2

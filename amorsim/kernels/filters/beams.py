@@ -10,15 +10,14 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Ints32
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.grid.grid import Grid
 from amorsim.kernels.raycast.rays import cast_ray, direction, to_frame
 
 __all__ = ["Field", "Mixture", "Place", "Scan", "beam_probability", "weigh_by_beams", "weigh_by_field"]
 
-Floats = npt.NDArray[np.float64]
 # A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
 Column = Any
 
@@ -44,7 +43,7 @@ class Field(NamedTuple):
     In whole numbers: a sum of them is exact, so it may be taken in any order, many beams at a time.
     """
 
-    steps: npt.NDArray[np.int32]  # (rows * cols,) what a beam adds beyond `base`, in units of `unit`; 0 at the edge
+    steps: Ints32  # (rows * cols,) what a beam adds beyond `base`, in units of `unit`; 0 at the edge
     rows: int
     cols: int
     resolution: float  # [m]
@@ -56,8 +55,8 @@ class Field(NamedTuple):
 class Scan(NamedTuple):
     """The beams of N rows, and the mounts of their sensors. A beam that is not used has the range nan."""
 
-    ranges: Floats  # (N, B) [m], inf for no return
-    bearings: Floats  # (N, B), or (1, B) for all rows [rad] from the sensor's heading
+    ranges: Array  # (N, B) [m], inf for no return
+    bearings: Array  # (N, B), or (1, B) for all rows [rad] from the sensor's heading
     x: Column  # [m]
     y: Column  # [m]
     heading: Column  # [rad]
@@ -77,7 +76,7 @@ class Mixture(NamedTuple):
 
 @kernel
 def weigh_by_field(
-    row: int, particles: Floats, turns: Floats, scan: Scan, field: Field, place: Place, cubed: bool, out: Floats
+    row: int, particles: Array, turns: Array, scan: Scan, field: Field, place: Place, cubed: bool, out: Array
 ) -> int:
     """Log-likelihoods of a row's scan from poses `particles` (n, 3), into `out`; returns how many beams counted.
 
@@ -151,7 +150,7 @@ def beam_probability(
 
 @kernel
 def weigh_by_beams(
-    row: int, particles: Floats, scan: Scan, mixture: Mixture, grid: Grid, place: Place, cubed: bool, out: Floats
+    row: int, particles: Array, scan: Scan, mixture: Mixture, grid: Grid, place: Place, cubed: bool, out: Array
 ) -> int:
     """Log-likelihoods of a row's scan from poses `particles` (n, 3) by the beam model, as `weigh_by_field` gives."""
     range_max = scan.range_max[row, 0]

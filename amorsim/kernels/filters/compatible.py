@@ -9,15 +9,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.kernels.compile import kernel
 
 __all__ = ["MOST_NODES", "Search", "pair_up", "search"]
 
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
-Bools = npt.NDArray[np.bool_]
 
 MOST_NODES = 20000  # looked at before the best so far is taken: many alike landmarks would take for ever
 
@@ -27,20 +24,20 @@ class Search(NamedTuple):
 
     is_taken: Bools  # (L,)
     fits: Bools  # (m, L) whether a pair fits by itself
-    slopes: Floats  # (m, L, 2, 4)
-    residuals: Floats  # (m, L, 2)
-    noise: Floats  # (m, L, 3) its covariance 11, 12, 22
-    gates: Floats  # (m + 1,) the largest squared distance of so many pairs
-    means: Floats  # (m + 1, 4) how the pairs so far would move the state
-    covariances: Floats  # (m + 1, 4, 4)
-    squares: Floats  # (m + 1,)
+    slopes: Array  # (m, L, 2, 4)
+    residuals: Array  # (m, L, 2)
+    noise: Array  # (m, L, 3) its covariance 11, 12, 22
+    gates: Array  # (m + 1,) the largest squared distance of so many pairs
+    means: Array  # (m + 1, 4) how the pairs so far would move the state
+    covariances: Array  # (m + 1, 4, 4)
+    squares: Array  # (m + 1,)
     counts: Ints  # (m + 1,) pairs so far
     tries: Ints  # (m,) the next landmark to try; L for none, L + 1 when done
     chosen: Ints  # (m,)
     best: Ints  # (m,)
 
 
-def search(slots: int, landmarks: int, gates: Floats) -> Search:
+def search(slots: int, landmarks: int, gates: Array) -> Search:
     """Room for so many sightings and landmarks."""
     return Search(
         is_taken=np.zeros(landmarks, dtype=bool),
@@ -100,7 +97,7 @@ def _take(at: Search, slot: int, k: int) -> bool:
 
 
 @kernel
-def pair_up(p: Floats, at: Search) -> None:
+def pair_up(p: Array, at: Search) -> None:
     """Find the most pairs that fit jointly, the best of equally many, and write them to ``at.best`` (-1: none)."""
     slots, landmarks = at.fits.shape
     at.is_taken[:] = False

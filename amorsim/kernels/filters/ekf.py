@@ -11,8 +11,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.filters.points import PLACE, Transform, Work, expect_by_points, predict_by_points
 from amorsim.kernels.filters.updates import NIS, USED, Gaussians, bend, squared_of, swing, take, take_pair
@@ -20,12 +20,9 @@ from amorsim.kernels.kinematics.poses import wrap
 
 __all__ = ["fuse_headings", "fuse_places", "fuse_turns", "keep_valid", "predict", "report"]
 
-Floats = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
-
 
 @kernel
-def predict(belief: Gaussians, after: Floats, noise: Floats, growth: Floats, transform: Transform, at: Work) -> None:
+def predict(belief: Gaussians, after: Array, noise: Array, growth: Array, transform: Transform, at: Work) -> None:
     """Move the means to poses `after` (N, 3), and propagate and widen the covariances.
 
     `noise` (N, 3, 3) is the covariance of the motion in the world; `growth` (N, 1) is added to the variance of the
@@ -46,7 +43,7 @@ def predict(belief: Gaussians, after: Floats, noise: Floats, growth: Floats, tra
 
 
 @kernel
-def report(belief: Gaussians, by_arcs: bool, poses: Floats, covariances: Floats) -> None:
+def report(belief: Gaussians, by_arcs: bool, poses: Array, covariances: Array) -> None:
     """Write the poses (N, 3) and the covariances (N, 3, 3) of x, y and heading.
 
     After updates `by_arcs` what arcs lead aside is added: a doubtful heading bends the region of places.
@@ -89,15 +86,15 @@ def keep_valid(belief: Gaussians, before: Gaussians, far: float, stays: bool, fa
 @kernel
 def fuse_places(
     belief: Gaussians,
-    readings: Floats,
+    readings: Array,
     fresh: Bools,
-    mounts: Floats,
-    variance: Floats,
-    correlation: Floats,
+    mounts: Array,
+    variance: Array,
+    correlation: Array,
     gate: float,
     transform: Transform,
     at: Work,
-    records: Floats,
+    records: Array,
 ) -> None:
     """Update by places (N, 2 and more) of mounts (N, 3); both coordinates have this `variance` (N, 1)."""
     for i in range(readings.shape[0]):
@@ -133,7 +130,7 @@ def fuse_places(
 
 @part
 def _fuse_one(
-    mean: Floats, p: Floats, spread: Floats, residual: float, variance: float, gate: float, record: Floats
+    mean: Array, p: Array, spread: Array, residual: float, variance: float, gate: float, record: Array
 ) -> None:
     """Update by one number, if the gate lets it pass."""
     record[0] = residual
@@ -148,13 +145,13 @@ def _fuse_one(
 @kernel
 def fuse_headings(
     belief: Gaussians,
-    readings: Floats,
+    readings: Array,
     fresh: Bools,
-    mounts: Floats,
-    variance: Floats,
+    mounts: Array,
+    variance: Array,
     gate: float,
     at: Work,
-    records: Floats,
+    records: Array,
 ) -> None:
     """Update by headings (N, 1) of mounts (N, 3), with this `variance` (N, 1)."""
     for i in range(readings.shape[0]):
@@ -172,15 +169,15 @@ def fuse_headings(
 @kernel
 def fuse_turns(
     belief: Gaussians,
-    readings: Floats,
+    readings: Array,
     fresh: Bools,
-    turns: Floats,
-    noise: Floats,
-    elapsed: Floats,
-    variance: Floats,
+    turns: Array,
+    noise: Array,
+    elapsed: Array,
+    variance: Array,
     gate: float,
     at: Work,
-    records: Floats,
+    records: Array,
 ) -> None:
     """Update by mean rates of turn (N, 1) over the step that was just predicted.
 

@@ -5,17 +5,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.kernels.compile import kernel
 
 __all__ = ["draw_around", "root"]
 
-Floats = npt.NDArray[np.float64]
-
 
 @kernel
-def root(covariance: Floats, out: Floats) -> None:
+def root(covariance: Array, out: Array) -> None:
     """The lower triangle L with ``L L' = covariance`` (n, n), by Cholesky; a column of zeros without variance."""
     size = covariance.shape[0]
     for j in range(size):
@@ -37,7 +35,7 @@ def root(covariance: Floats, out: Floats) -> None:
 
 
 @kernel
-def draw_around(means: Floats, covariances: Floats, normals: Floats, out: Floats) -> None:
+def draw_around(means: Array, covariances: Array, normals: Array, out: Array) -> None:
     """Turn standard normal draws `(N, 3)` into draws about means `(N, 3)` with covariances `(N, 3, 3)`."""
     lower = np.empty((3, 3))
     for i in range(means.shape[0]):

@@ -5,20 +5,19 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.kernels.compile import part
 from amorsim.kernels.random.quarter_turns import cosine_of_quarters, sine_of_quarters
 
 __all__ = ["fill_turns"]
 
-Floats = npt.NDArray[np.float64]
 
 _QUARTERS = 2.0 / math.pi  # of a turn in a radian
 
 
 @part
-def fill_turns(particles: Floats, out: Floats) -> None:
+def fill_turns(particles: Array, out: Array) -> None:
     """Write the sines and cosines of the headings, in [-pi, pi], of poses (n, 3) into `out` (2, n or more).
 
     A loop without a branch or a call, good to some units in the last place of 1.

@@ -9,8 +9,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.filters.compatible import Search, pair_up
 from amorsim.kernels.filters.points import LANDMARK, NEAREST, Transform, Work, expect_by_points
@@ -19,9 +19,6 @@ from amorsim.kernels.kinematics.poses import wrap
 
 __all__ = ["BY_IDENTITY", "JOINTLY", "NEAREST_FIRST", "Marks", "fuse_landmarks"]
 
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
-Bools = npt.NDArray[np.bool_]
 
 # Which landmark a sighting is of.
 BY_IDENTITY, NEAREST_FIRST, JOINTLY = range(3)
@@ -30,12 +27,12 @@ BY_IDENTITY, NEAREST_FIRST, JOINTLY = range(3)
 class Marks(NamedTuple):
     """The landmarks that robots know."""
 
-    places: Floats  # (L, 2) [m]
+    places: Array  # (L, 2) [m]
     ids: Ints  # (L,) 0 without one
 
 
 @part
-def _see_by_slopes(mean: Floats, mount: Floats, x: float, y: float, distance: float, bearing: float, at: Work) -> bool:
+def _see_by_slopes(mean: Array, mount: Array, x: float, y: float, distance: float, bearing: float, at: Work) -> bool:
     """Compare a range and a bearing with those of a landmark, into `at`; False where it has no bearing."""
     c = math.cos(mean[2])
     s = math.sin(mean[2])
@@ -63,10 +60,10 @@ def _see_by_slopes(mean: Floats, mount: Floats, x: float, y: float, distance: fl
 
 @kernel
 def _see(
-    mean: Floats,
-    p: Floats,
-    mount: Floats,
-    place: Floats,
+    mean: Array,
+    p: Array,
+    mount: Array,
+    place: Array,
     distance: float,
     bearing: float,
     transform: Transform,
@@ -80,17 +77,17 @@ def _see(
 
 @kernel
 def _associate(
-    mean: Floats,
-    p: Floats,
-    reading: Floats,
-    mount: Floats,
+    mean: Array,
+    p: Array,
+    reading: Array,
+    mount: Array,
     marks: Marks,
-    noise: Floats,
+    noise: Array,
     gate: float,
     transform: Transform,
     at: Work,
     search: Search,
-    record: Floats,
+    record: Array,
 ) -> None:
     """Pair sightings with landmarks jointly, into ``search.best``: the landmark of each slot, or -1."""
     slots = search.best.shape[0]
@@ -118,17 +115,17 @@ def _associate(
 @kernel
 def fuse_landmarks(
     belief: Gaussians,
-    readings: Floats,
+    readings: Array,
     fresh: Bools,
-    mounts: Floats,
+    mounts: Array,
     marks: Marks,
-    noise: Floats,
+    noise: Array,
     gate: float,
     way: int,
     transform: Transform,
     at: Work,
     search: Search,
-    records: Floats,
+    records: Array,
 ) -> None:
     """Update by the landmarks of readings (N, 3 m): range, bearing, identity in each slot.
 

@@ -6,15 +6,13 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.kinematics.poses import wrap
 
 __all__ = ["Bins", "Modes", "bin_of", "bins", "find_modes", "put"]
 
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 _MIDDLE = 1 << 20  # of the numbers of bins along x and y
 _LOW = (1 << 31) - 1
@@ -27,20 +25,20 @@ class Bins(NamedTuple):
     keys: Ints  # (T,) -1 where empty; T a power of two, twice the particles at least
     slots: Ints  # (T,) the number of the bin there
     own: Ints  # (P,) the key of each bin
-    weight: Floats  # (P,) of the particles in each bin
+    weight: Array  # (P,) of the particles in each bin
     mark: Ints  # (P,) whatever a caller notes of each bin
     parent: Ints  # (P,) a bin of the same mode, itself at a mode's root
     mode: Ints  # (P,) the number of the mode of a root
     of: Ints  # (P,) the bin of each particle
-    sums: Floats  # (P, 12)
+    sums: Array  # (P, 12)
 
 
 class Modes(NamedTuple):
     """The heaviest modes of N rows, heaviest first, nan where there are fewer."""
 
-    poses: Floats  # (N, H, 3)
-    covariances: Floats  # (N, H, 3, 3)
-    weights: Floats  # (N, H)
+    poses: Array  # (N, H, 3)
+    covariances: Array  # (N, H, 3, 3)
+    weights: Array  # (N, H)
 
 
 @kernel
@@ -128,7 +126,7 @@ def _join(table: Bins, count: int, turns: int) -> None:
 
 
 @kernel
-def _add_means(particles: Floats, headings: Floats, weights: Floats, table: Bins) -> None:
+def _add_means(particles: Array, headings: Array, weights: Array, table: Bins) -> None:
     """Add up each mode's weights, their squares, and its weighted places, cosines and sines."""
     sums = table.sums
     m = 0
@@ -150,7 +148,7 @@ def _add_means(particles: Floats, headings: Floats, weights: Floats, table: Bins
 
 
 @kernel
-def _add_squares(particles: Floats, weights: Floats, table: Bins) -> None:
+def _add_squares(particles: Array, weights: Array, table: Bins) -> None:
     """Add up the weighted products of deviations from each mode's mean."""
     sums = table.sums
     m = 0
@@ -175,7 +173,7 @@ def _add_squares(particles: Floats, weights: Floats, table: Bins) -> None:
 
 
 @part
-def _add(sums: Floats, m: int, k: int, a: float, b: float, c: float, d: float, e: float, f: float) -> None:
+def _add(sums: Array, m: int, k: int, a: float, b: float, c: float, d: float, e: float, f: float) -> None:
     sums[m, k] += a
     sums[m, k + 1] += b
     sums[m, k + 2] += c
@@ -186,7 +184,7 @@ def _add(sums: Floats, m: int, k: int, a: float, b: float, c: float, d: float, e
 
 @kernel
 def find_modes(
-    particles: Floats, headings: Floats, weights: Floats, side: float, turns: int, table: Bins, row: int, out: Modes
+    particles: Array, headings: Array, weights: Array, side: float, turns: int, table: Bins, row: int, out: Modes
 ) -> int:
     """Write the modes of a row's particles (n, 3), whose weights add up to 1; returns how many bins they are in.
 
@@ -228,7 +226,7 @@ def find_modes(
 
 
 @kernel
-def _write(row: int, sums: Floats, modes: int, out: Modes) -> None:
+def _write(row: int, sums: Array, modes: int, out: Modes) -> None:
     """Write the heaviest modes, and remove each from `sums`."""
     out.poses[row] = np.nan
     out.covariances[row] = np.nan

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.filters.beams import Field, Mixture, Place, Scan, weigh_by_beams, weigh_by_field
 from amorsim.kernels.filters.gaussians import root
@@ -32,9 +33,6 @@ __all__ = [
     "update",
 ]
 
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
-Bools = npt.NDArray[np.bool_]
 # A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
 Column = Any
 
@@ -42,12 +40,12 @@ Column = Any
 class Cloud(NamedTuple):
     """The particles of N rows."""
 
-    particles: Floats  # (N, P, 3) x, y [m], heading [rad]; only the first `counts` of a row
-    weights: Floats  # (N, P), which add up to 1
+    particles: Array  # (N, P, 3) x, y [m], heading [rad]; only the first `counts` of a row
+    weights: Array  # (N, P), which add up to 1
     counts: Ints  # (N,)
-    averages: Floats  # (N, 2) of the mean weight: slow and fast; nan at first
+    averages: Array  # (N, 2) of the mean weight: slow and fast; nan at first
     # (N, 3): effective sample size, probability of a particle at random, and 1 if no particle was possible.
-    figures: Floats
+    figures: Array
 
 
 class Motion(NamedTuple):
@@ -55,16 +53,16 @@ class Motion(NamedTuple):
 
     begins: Bools  # (N,) whether particles are drawn about `pose`, or moved
     lost: Bools  # (N,) whether they begin anywhere
-    pose: Floats  # (N, 3) in the world
-    covariance: Floats  # (N, 3, 3) of it
-    moved: Floats  # (N, 3)
-    doubt: Floats  # (N, 3, 3), the covariance of `moved`
+    pose: Array  # (N, 3) in the world
+    covariance: Array  # (N, 3, 3) of it
+    moved: Array  # (N, 3)
+    doubt: Array  # (N, 3, 3), the covariance of `moved`
 
 
 class Free(NamedTuple):
     """Where a robot may be: squares of a map."""
 
-    middles: Floats  # (M, 2) [m] in the world
+    middles: Array  # (M, 2) [m] in the world
     side: float  # [m]
 
 
@@ -105,12 +103,12 @@ class Numbers(NamedTuple):
 class Work(NamedTuple):
     """Room for one row."""
 
-    first: Floats
-    second: Floats
-    power: Floats
-    logarithms: Floats  # (P,)
-    spare: Floats  # (P, 3)
-    turns: Floats  # (2, P) sines and cosines of the headings
+    first: Array
+    second: Array
+    power: Array
+    logarithms: Array  # (P,)
+    spare: Array  # (P, 3)
+    turns: Array  # (2, P) sines and cosines of the headings
     table: Bins
 
 
@@ -130,7 +128,7 @@ def _room(particles: int) -> Any:
 
 
 @kernel
-def _somewhere(free: Free, place: Place, first: Floats, second: Floats, k: int, out: Floats) -> None:
+def _somewhere(free: Free, place: Place, first: Array, second: Array, k: int, out: Array) -> None:
     """A pose anywhere free, from four uniform numbers: the k-th of them and those after it."""
     m = min(int(first[k] * free.middles.shape[0]), free.middles.shape[0] - 1)
     across = (second[k] - 0.5) * free.side

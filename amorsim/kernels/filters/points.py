@@ -13,15 +13,14 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.filters.gaussians import root
 from amorsim.kernels.kinematics.poses import arc, wrap
 
 __all__ = ["LANDMARK", "PLACE", "Transform", "Work", "expect_by_points", "expected", "predict_by_points", "work"]
 
-Floats = npt.NDArray[np.float64]
 
 # What two numbers are of: a landmark's range and bearing, or a mount's place.
 LANDMARK, PLACE = 0, 1
@@ -40,12 +39,12 @@ class Transform(NamedTuple):
 class Work(NamedTuple):
     """Room for one update of two numbers."""
 
-    slopes: Floats  # (2, 4) of the expected numbers by the state
-    spreads: Floats  # (2, 4) covariance of the state with them
-    residual: Floats  # (2,)
-    extra: Floats  # (3,) covariance 11, 12, 22 of the expected numbers that slopes leave out
-    root: Floats  # (4, 4) of the covariance
-    ends: Floats  # (8, 4) the points, or what is expected at them
+    slopes: Array  # (2, 4) of the expected numbers by the state
+    spreads: Array  # (2, 4) covariance of the state with them
+    residual: Array  # (2,)
+    extra: Array  # (3,) covariance 11, 12, 22 of the expected numbers that slopes leave out
+    root: Array  # (4, 4) of the covariance
+    ends: Array  # (8, 4) the points, or what is expected at them
 
 
 def work() -> Work:
@@ -54,7 +53,7 @@ def work() -> Work:
 
 
 @kernel
-def expected(kind: int, x: float, y: float, heading: float, mount: Floats, u: float, v: float) -> tuple[float, float]:
+def expected(kind: int, x: float, y: float, heading: float, mount: Array, u: float, v: float) -> tuple[float, float]:
     """The two numbers expected from a pose: range and bearing of a landmark at (u, v), or the mount's place."""
     c = math.cos(heading)
     s = math.sin(heading)
@@ -70,9 +69,9 @@ def expected(kind: int, x: float, y: float, heading: float, mount: Floats, u: fl
 @kernel
 def expect_by_points(
     kind: int,
-    mean: Floats,
-    p: Floats,
-    mount: Floats,
+    mean: Array,
+    p: Array,
+    mount: Array,
     u: float,
     v: float,
     first: float,
@@ -135,7 +134,7 @@ def expect_by_points(
 
 @kernel
 def predict_by_points(
-    mean: Floats, p: Floats, after: Floats, noise: Floats, growth: float, transform: Transform, at: Work
+    mean: Array, p: Array, after: Array, noise: Array, growth: float, transform: Transform, at: Work
 ) -> None:
     """Move one row's mean and covariance by sigma points, as `amorsim.kernels.filters.ekf.predict` does by slopes."""
     root(p, at.root)

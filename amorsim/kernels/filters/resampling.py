@@ -9,15 +9,10 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-import numpy.typing as npt
-
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.compile import kernel
 
 __all__ = ["average", "effective_size", "kld_size", "recovery_probability", "resample"]
-
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 
 @kernel
@@ -34,7 +29,7 @@ def kld_size(bins: int, error: float, quantile: float) -> float:
 
 
 @kernel
-def effective_size(weights: Floats) -> float:
+def effective_size(weights: Array) -> float:
     """The effective sample size of weights, whose sum may be any."""
     total = 0.0
     squares = 0.0
@@ -45,7 +40,7 @@ def effective_size(weights: Floats) -> float:
 
 
 @kernel
-def average(mean: float, averages: Floats, slow: float, fast: float) -> None:
+def average(mean: float, averages: Array, slow: float, fast: float) -> None:
     """Update the slow and the fast average (2,) with a mean weight and these gains; the first weight is both."""
     if averages[0] != averages[0]:
         averages[0] = mean
@@ -56,7 +51,7 @@ def average(mean: float, averages: Floats, slow: float, fast: float) -> None:
 
 
 @kernel
-def recovery_probability(averages: Floats) -> float:
+def recovery_probability(averages: Array) -> float:
     """The probability with which a particle is drawn at random: it grows as the fast average falls."""
     if not averages[0] > 0.0:
         return 0.0
@@ -64,7 +59,7 @@ def recovery_probability(averages: Floats) -> float:
 
 
 @kernel
-def resample(weights: Floats, offset: float, picks: Ints) -> None:
+def resample(weights: Array, offset: float, picks: Ints) -> None:
     """Write which particles are kept (n,), by low-variance sampling with an `offset` in (0, 1)."""
     last = 0  # the last particle with any weight: rounding must not go beyond it
     total = 0.0

@@ -16,9 +16,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-import numpy.typing as npt
-
+from amorsim.arrays import Array
 from amorsim.kernels.compile import part
 from amorsim.kernels.filters.points import Work
 from amorsim.kernels.kinematics.poses import arc, wrap
@@ -38,7 +36,6 @@ __all__ = [
     "take_pair",
 ]
 
-Floats = npt.NDArray[np.float64]
 
 # What is kept of an update: two innovations, their covariance (11, 12, 22), and these.
 NIS = 5  # the innovation's square in units of its covariance
@@ -50,25 +47,25 @@ RECORD = 8
 class Gaussians(NamedTuple):
     """The states of N rows."""
 
-    mean: Floats  # (N, 4): x, y [m], heading [rad], bias of the gyro [rad/s]
-    covariance: Floats  # (N, 4, 4)
+    mean: Array  # (N, 4): x, y [m], heading [rad], bias of the gyro [rad/s]
+    covariance: Array  # (N, 4, 4)
 
 
 @part
-def spread_of(p: Floats, slope: Floats, out: Floats) -> None:
+def spread_of(p: Array, slope: Array, out: Array) -> None:
     """The covariance of the state with a number of this `slope`, into `out` (4,)."""
     for j in range(4):
         out[j] = p[j, 0] * slope[0] + p[j, 1] * slope[1] + p[j, 2] * slope[2] + p[j, 3] * slope[3]
 
 
 @part
-def along(a: Floats, b: Floats) -> float:
+def along(a: Array, b: Array) -> float:
     """The product of two vectors (4,)."""
     return float(a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3])
 
 
 @part
-def swing(p: Floats, x: float, y: float) -> None:
+def swing(p: Array, x: float, y: float) -> None:
     """Refer a covariance to a mean that lies (x, y) further on, which a turn of all the plane has moved more."""
     xh = p[0, 2]
     yh = p[1, 2]
@@ -87,7 +84,7 @@ def swing(p: Floats, x: float, y: float) -> None:
 
 
 @part
-def bend(p: Floats, out: Floats) -> None:
+def bend(p: Array, out: Array) -> None:
     """Write the second moments xx, xy, yy of how far arcs lead aside into `out` (3,).
 
     A shift u along with a turn t leads aside by t u / 2.
@@ -98,7 +95,7 @@ def bend(p: Floats, out: Floats) -> None:
 
 
 @part
-def _reduce(p: Floats, spread: Floats, variance: float) -> None:
+def _reduce(p: Array, spread: Array, variance: float) -> None:
     """Take off what a number of this `variance` tells, which has the covariance `spread` with the state."""
     for j in range(4):
         gain = spread[j] / variance
@@ -108,7 +105,7 @@ def _reduce(p: Floats, spread: Floats, variance: float) -> None:
 
 
 @part
-def _move(mean: Floats, p: Floats, x: float, y: float, turn: float, bias: float, by_arc: bool) -> None:
+def _move(mean: Array, p: Array, x: float, y: float, turn: float, bias: float, by_arc: bool) -> None:
     """Correct the mean by a shift with a turn, one after the other or along an arc."""
     if by_arc:
         x, y, _ = arc(x, y, turn, 1.0)
@@ -120,7 +117,7 @@ def _move(mean: Floats, p: Floats, x: float, y: float, turn: float, bias: float,
 
 
 @part
-def take(mean: Floats, p: Floats, spread: Floats, residual: float, variance: float) -> None:
+def take(mean: Array, p: Array, spread: Array, residual: float, variance: float) -> None:
     """Update by one number, with the `variance` of its residual and its covariance with the state (`spread`)."""
     gain = residual / variance
     x, y, turn, bias = gain * spread[0], gain * spread[1], gain * spread[2], gain * spread[3]
@@ -129,7 +126,7 @@ def take(mean: Floats, p: Floats, spread: Floats, residual: float, variance: flo
 
 
 @part
-def squared_of(p: Floats, at: Work, r11: float, r12: float, r22: float, record: Floats) -> float:
+def squared_of(p: Array, at: Work, r11: float, r12: float, r22: float, record: Array) -> float:
     """Compare two numbers with what is expected (`at`), into `record`; returns the normalised innovation squared."""
     spread_of(p, at.slopes[0], at.spreads[0])
     spread_of(p, at.slopes[1], at.spreads[1])
@@ -149,7 +146,7 @@ def squared_of(p: Floats, at: Work, r11: float, r12: float, r22: float, record: 
 
 
 @part
-def take_pair(mean: Floats, p: Floats, at: Work, r11: float, r12: float, r22: float, by_arc: bool) -> None:
+def take_pair(mean: Array, p: Array, at: Work, r11: float, r12: float, r22: float, by_arc: bool) -> None:
     """Update by two numbers, one after the other, both linearised at the mean before; along an arc or not."""
     r11 += at.extra[0]
     r12 += at.extra[1]

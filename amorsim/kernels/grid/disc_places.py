@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from amorsim.arrays import Ints, Ints32
 from amorsim.kernels.compile import kernel
 
 __all__ = ["clear_cells", "label_parts", "number_parts"]
@@ -44,7 +45,7 @@ def clear_cells(cells: Cells, reach: NDArray[np.uint16], beyond: int, runs: NDAr
 
 
 @kernel
-def label_parts(cells: Cells, joined: NDArray[np.int32], out: NDArray[np.int32]) -> int:
+def label_parts(cells: Cells, joined: Ints32, out: Ints32) -> int:
     """Label the set cells in `out`, and give each label's part in `joined`; returns how many parts there are.
 
     A part is set cells that are connected by sides; parts are numbered from 1 on. Cells that are not set have the label
@@ -86,7 +87,7 @@ def label_parts(cells: Cells, joined: NDArray[np.int32], out: NDArray[np.int32])
 
 
 @kernel
-def number_parts(joined: NDArray[np.int32], sizes: NDArray[np.int64], labels: NDArray[np.int32]) -> None:
+def number_parts(joined: Ints32, sizes: Ints, labels: Ints32) -> None:
     """Turn labels into the numbers of their parts, in place; `sizes` gets how many cells each part has, from 0 on."""
     for n in range(sizes.shape[0]):
         sizes[n] = 0

@@ -11,13 +11,14 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.kernels.compile import kernel
 
 __all__ = ["distances"]
 
 
 @kernel
-def distances(cells: npt.NDArray[np.uint8], out: npt.NDArray[np.float64]) -> None:
+def distances(cells: npt.NDArray[np.uint8], out: Array) -> None:
     """Distances in cells, middle to middle, from each cell (rows, cols) to the nearest set one; inf if none is set."""
     rows, cols = cells.shape
     for j in range(cols):

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from amorsim.arrays import Ints, Ints32
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.grid.grid import ALL, NONE, ONE, Grid, square_ahead, word_mask
 
@@ -24,10 +25,10 @@ class Draft(NamedTuple):
     rows: int
     cols: int
     super_cols: int
-    supers: NDArray[np.int32]
-    tables: NDArray[np.int32]
+    supers: Ints32
+    tables: Ints32
     pages: NDArray[np.uint64]
-    used: NDArray[np.int64]
+    used: Ints
 
 
 def new_draft(rows: int, cols: int, most_pages: int = 64) -> Draft:
@@ -228,7 +229,7 @@ def _measure_table(grid: Grid, super_row: int, super_col: int, quadrant: int) ->
 
 
 @kernel
-def _measure_page(grid: Grid, page_row: int, page_col: int, page: int, quadrant: int, sides: NDArray[np.int64]) -> None:
+def _measure_page(grid: Grid, page_row: int, page_col: int, page: int, quadrant: int, sides: Ints) -> None:
     """Write the room of the empty words of one page, after that of the pages ahead.
 
     `sides` (9, 9) is to work in: what is known at the words next to the page, ahead of it, and then at its own.

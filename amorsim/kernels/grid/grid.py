@@ -28,6 +28,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from amorsim.arrays import Ints, Ints32
 from amorsim.kernels.compile import kernel
 
 __all__ = [
@@ -55,8 +56,8 @@ class Grid(NamedTuple):
     cols: int
     super_cols: int
     """Entries of `supers` in one of its rows."""
-    supers: NDArray[np.int32]
-    tables: NDArray[np.int32]
+    supers: Ints32
+    tables: Ints32
     """(tables, 4096)"""
     pages: NDArray[np.uint64]
     """(pages, 64)"""
@@ -185,10 +186,10 @@ def next_occupied(grid: Grid, row0: int, row1: int, col: int) -> int:
 @kernel
 def occupied_boxes(
     grid: Grid,
-    row0: NDArray[np.int64],
-    row1: NDArray[np.int64],
-    col0: NDArray[np.int64],
-    col1: NDArray[np.int64],
+    row0: Ints,
+    row1: Ints,
+    col0: Ints,
+    col1: Ints,
     out: NDArray[np.uint8],
 ) -> None:
     """Write 1 for every box of cells with an occupied one in it, 0 for the others.

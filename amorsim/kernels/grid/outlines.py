@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from amorsim.arrays import Array
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.grid.grid import NONE, ONE, Grid, word_at
 from amorsim.kernels.grid.segment_boxes import index_segments
@@ -26,7 +27,6 @@ __all__ = ["MOST_STRIPS", "outline_lines", "strips_of", "trace"]
 MOST_STRIPS = 2_500_000
 """Of a map: looking them up takes 0.4 kB each, so 1 GB in all."""
 
-Floats = NDArray[np.float64]
 Cells = NDArray[np.uint8]
 
 _TOLERANCE = 1.6  # [cells] a corner may be off the line; more than 1, so that a thin wall is one strip
@@ -76,7 +76,7 @@ def _run(cells: Cells, seen: Cells, x: int, y: int, heading: int) -> Any:
 
 
 @kernel
-def _narrow(x: float, y: float, wedge: Floats) -> bool:
+def _narrow(x: float, y: float, wedge: Array) -> bool:
     """Keep in a wedge the lines through (0, 0) that pass (x, y) within the tolerance; false, unchanged, if none.
 
     `wedge` holds the unit vectors of its right and its left side, 0 where all lines are in it.
@@ -103,7 +103,7 @@ def _narrow(x: float, y: float, wedge: Floats) -> bool:
 
 
 @kernel
-def _finish(corners: Floats, count: int, wedge: Floats, strip: Floats) -> None:
+def _finish(corners: Array, count: int, wedge: Array, strip: Array) -> None:
     """Write the narrowest strip about some corners: x0, y0, x1, y1 of its segment, and how far it reaches beyond it."""
     narrowest = np.inf
     for trial in range(3):
@@ -135,7 +135,7 @@ def _finish(corners: Floats, count: int, wedge: Floats, strip: Floats) -> None:
 
 
 @kernel
-def _follow(cells: Cells, seen: Cells, x: int, y: int, corners: Floats, made: int, strips: Floats) -> int:
+def _follow(cells: Cells, seen: Cells, x: int, y: int, corners: Array, made: int, strips: Array) -> int:
     """Write the strips along one outline, from the corner where it begins to head 0; how many there are then."""
     wedge = np.zeros(4)
     strip = np.empty(5)
@@ -168,7 +168,7 @@ def _follow(cells: Cells, seen: Cells, x: int, y: int, corners: Floats, made: in
 
 
 @kernel
-def trace(grid: Grid, cells: Cells, seen: Cells, strips: Floats, most: int) -> int:
+def trace(grid: Grid, cells: Cells, seen: Cells, strips: Array, most: int) -> int:
     """Write strips that hold all sides by which a ray can come from a free cell into an occupied one of the map.
 
     Parameters
@@ -208,7 +208,7 @@ def trace(grid: Grid, cells: Cells, seen: Cells, strips: Floats, most: int) -> i
     return made
 
 
-def strips_of(grid: Grid, cells: Cells, most: int = MOST_STRIPS) -> Floats:
+def strips_of(grid: Grid, cells: Cells, most: int = MOST_STRIPS) -> Array:
     """Strips (M, 5) of the cells of a grid, given as an array too; see `trace`.
 
     Raises

@@ -16,8 +16,8 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from amorsim.arrays import Array
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.grid.draft import Draft, finish, grow, mark_box, new_draft
 from amorsim.kernels.grid.grid import Grid
@@ -113,7 +113,7 @@ def _mark_segment(draft: Draft, x0: float, y0: float, x1: float, y1: float) -> b
 
 
 @kernel
-def mark_segments(segments: NDArray[np.float64], start: int, draft: Draft) -> int:
+def mark_segments(segments: Array, start: int, draft: Draft) -> int:
     """Occupy the cells that segments (M, 4) touch, x0 y0 x1 y1 in cells, from number `start` on.
 
     Returns the number of segments done. If that is less than M the draft is full: grow it, and go on from
@@ -125,14 +125,14 @@ def mark_segments(segments: NDArray[np.float64], start: int, draft: Draft) -> in
     return len(segments)
 
 
-def snapped(coordinates: NDArray[np.float64]) -> NDArray[np.float64]:
+def snapped(coordinates: Array) -> Array:
     """The same coordinates [cells], those within `SNAP` of a whole number replaced by it."""
     nearest = np.rint(coordinates)
     return np.where(np.abs(coordinates - nearest) <= SNAP, nearest, coordinates)
 
 
 def grid_from_segments(
-    segments: NDArray[np.float64], rows: int, cols: int, resolution: float, offset: tuple[int, int] = (0, 0)
+    segments: Array, rows: int, cols: int, resolution: float, offset: tuple[int, int] = (0, 0)
 ) -> Grid:
     """The grid of rows x cols cells, `resolution` [m] wide, that the closed lines of segments touch.
 

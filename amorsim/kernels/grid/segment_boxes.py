@@ -6,8 +6,8 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from amorsim.arrays import Array
 from amorsim.kernels.grid.grid import Grid
 from amorsim.kernels.grid.rasterise import SNAP
 from amorsim.kernels.grid.segments import SegmentIndex
@@ -15,7 +15,6 @@ from amorsim.kernels.grid.solids import NOT_SOLID, solids_of
 
 __all__ = ["index_segments", "no_segments"]
 
-Floats = NDArray[np.float64]
 
 _SLACK = 1e-3  # [cells] by which rectangles are larger than need be, for end points snapped to grid lines and roundings
 _THIN_SLACK = 1e-6  # [cells] the same for those made of whole cells, in which only roundings count
@@ -28,11 +27,11 @@ def no_segments() -> SegmentIndex:
 
 
 def index_segments(
-    segments: Floats,
+    segments: Array,
     rows: int,
     cols: int,
     resolution: float,
-    margins: Floats | None = None,
+    margins: Array | None = None,
     grid: Grid | None = None,
 ) -> SegmentIndex:
     """Lines of segments (M, 4), x0 y0 x1 y1 [m] in the frame of a map of rows x cols cells, and of the map's border.
@@ -78,7 +77,7 @@ def index_segments(
     )
 
 
-def _tighten(walls: Floats, ends: Floats, resolution: float) -> None:
+def _tighten(walls: Array, ends: Array, resolution: float) -> None:
     """Give walls along an axis the rectangle of their cells: whole rows or columns of them, one or two wide.
 
     Then a wall met squarely bounds a beam to rounding, not to a cell or two.
@@ -100,7 +99,7 @@ def _tighten(walls: Floats, ends: Floats, resolution: float) -> None:
         walls[thin, 5] = (half + _THIN_SLACK) * resolution
 
 
-def _curve(ends: Floats, size: float) -> Any:
+def _curve(ends: Array, size: float) -> Any:
     """Place of each segment's middle on a Morton curve through the map: neighbours on it are near one another."""
     middle = (ends[:, :2] + ends[:, 2:]) / 2.0
     steps = np.clip(middle / size * 65536.0, 0, 65535).astype(np.int64)

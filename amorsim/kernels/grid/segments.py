@@ -15,8 +15,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.compile import inlined, part
 
 __all__ = [
@@ -34,8 +34,6 @@ __all__ = [
     "walls_about",
 ]
 
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 SAFETY = 1e-9
 """Relative, on every bound: many times the roundings on the way to it."""
@@ -57,11 +55,11 @@ PASSED, FACE, END, INSIDE = range(4)
 class SegmentIndex(NamedTuple):
     """Segments of a map in its own frame [m], in blocks of neighbours."""
 
-    boxes: Floats
+    boxes: Array
     """(4, blocks) xmin, ymin, xmax, ymax of the occupied cells of a block's segments."""
-    first: Integers
+    first: Ints
     """(blocks + 1,): a block's first segment, and one past its last, that of the next."""
-    walls: Floats
+    walls: Array
     """(10, M) x0, y0; unit vector along the segment; length; how far its cells reach beyond it; and of those that are
     boxes of occupied cells the grid lines that bound it, as `amorsim.kernels.grid.solids` has them."""
 
@@ -69,10 +67,10 @@ class SegmentIndex(NamedTuple):
 class SortedBeams(NamedTuple):
     """The beams of a scan in the order of their sectors (`bucket_of`)."""
 
-    order: Integers  # (k,) which beam each is
-    cos_b: Floats  # (L,) cosines and sines of their bearings, filled up to whole lanes
-    sin_b: Floats
-    starts: Integers  # beams starts[s] to starts[s + 1] - 1 are in sector s
+    order: Ints  # (k,) which beam each is
+    cos_b: Array  # (L,) cosines and sines of their bearings, filled up to whole lanes
+    sin_b: Array
+    starts: Ints  # beams starts[s] to starts[s + 1] - 1 are in sector s
     scale: float  # sectors in a quarter turn
 
 
@@ -102,7 +100,7 @@ def bucket_of(x: float, y: float, beyond: float, scale: float) -> int:
 
 
 @inlined
-def _distance(boxes: Floats, block: int, x: float, y: float) -> float:
+def _distance(boxes: Array, block: int, x: float, y: float) -> float:
     """Lower bound of the distance [m] from a point to anything that a block's segments occupy."""
     away_x = max(max(boxes[0, block] - x, x - boxes[2, block]), 0.0)
     away_y = max(max(boxes[1, block] - y, y - boxes[3, block]), 0.0)
@@ -110,9 +108,7 @@ def _distance(boxes: Floats, block: int, x: float, y: float) -> float:
 
 
 @part
-def _near_blocks(
-    lines: SegmentIndex, x: float, y: float, reach: float, found: Integers, away: Floats, ends: Integers
-) -> int:
+def _near_blocks(lines: SegmentIndex, x: float, y: float, reach: float, found: Ints, away: Array, ends: Ints) -> int:
     """The number of blocks that may occupy something within reach; `found` gets them by rings, the nearest first.
 
     `away` gets how far [m] each block is; both are as long as there are blocks. `ends` (RINGS + 2,) is room to work in.
@@ -142,11 +138,11 @@ def walls_about(
     x: float,
     y: float,
     reach: float,
-    found: Integers,
-    about: Floats,
-    away: Floats,
-    candidates: Integers,
-    ends: Integers,
+    found: Ints,
+    about: Array,
+    away: Array,
+    candidates: Ints,
+    ends: Ints,
 ) -> int:
     """The number of segments that may occupy cells within reach of a point; `found` gets them, nearest rings first.
 
@@ -223,7 +219,7 @@ def _block_span(lines: SegmentIndex, block: int, x: float, y: float) -> tuple[bo
 
 @inlined
 def side_of(
-    walls: Floats, m: int, x: float, y: float, cos_h: float, sin_h: float, reach: float
+    walls: Array, m: int, x: float, y: float, cos_h: float, sin_h: float, reach: float
 ) -> tuple[int, float, float, float, float, float, float, float, float, float]:
     """What can be seen of a segment's cells from a point: ``(what, a, b, x0, y0, x1, y1, near, start, stop)``.
 
@@ -280,7 +276,7 @@ def side_of(
 
 @part
 def _sides(
-    walls: Floats, first: int, last: int, x: float, y: float, cos_h: float, sin_h: float, reach: float, f: Floats
+    walls: Array, first: int, last: int, x: float, y: float, cos_h: float, sin_h: float, reach: float, f: Array
 ) -> None:
     """Write what can be seen of segments first..last-1, and between which places, as `bound_scan` lays it out."""
     for m in range(np.uint64(first), np.uint64(last)):
@@ -294,7 +290,7 @@ def _sides(
 
 
 @part
-def _raise(low: int, high: int, a: float, b: float, cos_b: Floats, sin_b: Floats, nearness: Floats) -> None:
+def _raise(low: int, high: int, a: float, b: float, cos_b: Array, sin_b: Array, nearness: Array) -> None:
     """Let beams low..high-1 be at least as near as a line with a * x + b * y = 1."""
     for i in range(np.uint64(low), np.uint64(high)):
         value = a * cos_b[i] + b * sin_b[i]
@@ -302,7 +298,7 @@ def _raise(low: int, high: int, a: float, b: float, cos_b: Floats, sin_b: Floats
 
 
 @part
-def _is_hidden(low: int, high: int, most: float, nearness: Floats) -> bool:
+def _is_hidden(low: int, high: int, most: float, nearness: Array) -> bool:
     """Whether beams low..high-1 are all bounded nearer than a wall whose nearness is `most` could bound them."""
     least = np.inf
     for i in range(np.uint64(low), np.uint64(high)):
@@ -319,9 +315,9 @@ def _block_is_hidden(
     cos_h: float,
     sin_h: float,
     away: float,
-    starts: Integers,
+    starts: Ints,
     scale: float,
-    nearness: Floats,
+    nearness: Array,
 ) -> bool:
     """Whether no beam can meet what a block's segments occupy sooner than what bounds it already."""
     outside, x0, y0, x1, y1 = _block_span(lines, block, x, y)
@@ -347,11 +343,11 @@ def bound_scan(
     sin_h: float,
     reach: float,
     beams: SortedBeams,
-    blocks: Integers,
-    away: Floats,
-    rings: Integers,
-    sides: Floats,
-    nearness: Floats,
+    blocks: Ints,
+    away: Array,
+    rings: Ints,
+    sides: Array,
+    nearness: Array,
 ) -> bool:
     """Raise `nearness` (k,) [1/m] to 1/t, where no beam meets an occupied cell before t.
 

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.grid.grid import ALL, Grid, word_at, word_mask
 
 __all__ = ["NOT_SOLID", "solids_of"]
 
-Floats = NDArray[np.float64]
 
 NOT_SOLID = (1.0, 1.0, 0.0, 0.0)
 """The lines of a wall that is no such box."""
@@ -20,7 +20,7 @@ _WHOLE = 0.01  # [cells] within which a wall's rectangle ends at a grid line; it
 
 
 @kernel
-def _find_full(grid: Grid, boxes: NDArray[np.int64], out: NDArray[np.uint8]) -> None:
+def _find_full(grid: Grid, boxes: Ints, out: NDArray[np.uint8]) -> None:
     """Write 1 for each box (M, 4), its first and last column and row as `solids_of` has them, that has no free cell."""
     for m in range(boxes.shape[0]):
         col0, row0, col1, row1 = boxes[m, 0], boxes[m, 1], boxes[m, 2], boxes[m, 3]
@@ -38,7 +38,7 @@ def _find_full(grid: Grid, boxes: NDArray[np.int64], out: NDArray[np.uint8]) -> 
         out[m] = is_full
 
 
-def solids_of(grid: Grid, walls: Floats) -> Floats:
+def solids_of(grid: Grid, walls: Array) -> Array:
     """Grid lines (M, 4), least and greatest of x and y as col0, row0, col1, row1, of the box that each wall is.
 
     `walls` (M, 6) are as `amorsim.kernels.grid.segments.SegmentIndex` has them, each a row. Of a wall that is one side

@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.kinematics.actuation import respond
 from amorsim.kernels.kinematics.poses import compose
@@ -25,9 +23,6 @@ __all__ = [
     "wheel_twists",
 ]
 
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
-Bools = npt.NDArray[np.bool_]
 # A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
 Column = Any
 
@@ -42,14 +37,14 @@ _SMALL = 1e-3  # [rad] below this the series' first left-out term, a**6/5040, is
 
 @kernel
 def drive_wheels(
-    joints: Floats,
-    rates: Floats,
-    command: Floats,
+    joints: Array,
+    rates: Array,
+    command: Array,
     rate_max: Column,
     acceleration_max: Column,
     lag: Column,
     dt: float,
-    out: Floats,
+    out: Array,
 ) -> None:
     """Wheels a step later, into `out` (2, N, w): angles [rad] and rates [rad/s].
 
@@ -71,7 +66,7 @@ def drive_wheels(
 
 
 @kernel
-def joints_between(last: Floats, angles: Floats, far: float, leap: float, before: Floats, after: Floats) -> None:
+def joints_between(last: Array, angles: Array, far: float, leap: float, before: Array, after: Array) -> None:
     """Angles of joints [rad] at the last reading and at this one, into `before` and `after` (N, j).
 
     `last` (N, j) is nan before the first reading, which is then the reference of all others. Where any of the new
@@ -92,7 +87,7 @@ def joints_between(last: Floats, angles: Floats, far: float, leap: float, before
 
 
 @kernel
-def take_angles(last: Floats, angles: Floats, far: float, leap: float, before: Floats, after: Floats) -> None:
+def take_angles(last: Array, angles: Array, far: float, leap: float, before: Array, after: Array) -> None:
     """As `joints_between`, and the present angles become `last`; joints without a reading so far are at 0 twice."""
     joints_between(last, angles, far, leap, before, after)
     for i in range(last.shape[0]):
@@ -106,13 +101,13 @@ def take_angles(last: Floats, angles: Floats, far: float, leap: float, before: F
 
 @kernel
 def take_readings(
-    last: Floats,
-    angles: Floats,
+    last: Array,
+    angles: Array,
     fresh: Bools,
     far: float,
     leap: float,
-    before: Floats,
-    after: Floats,
+    before: Array,
+    after: Array,
     taken: Bools,
     current: Bools,
     follows: Bools,
@@ -150,7 +145,7 @@ def take_readings(
 
 @kernel
 def wheel_twists(
-    before: Floats, after: Floats, radius_left: Column, radius_right: Column, track: Column, out: Floats
+    before: Array, after: Array, radius_left: Column, radius_right: Column, track: Column, out: Array
 ) -> None:
     """Motion (forward [m], left [m], turn [rad]) into `out` (N, 3) as a left and a right wheel turn.
 
@@ -165,9 +160,7 @@ def wheel_twists(
 
 
 @kernel
-def turn_joint(
-    before: Floats, after: Floats, joint: int, angle: float, middle: Floats, back: Floats, ahead: Floats
-) -> None:
+def turn_joint(before: Array, after: Array, joint: int, angle: float, middle: Array, back: Array, ahead: Array) -> None:
     """Joints halfway through a step, into `middle` (N, j), and with one of them turned by `angle` [rad] either way."""
     for i in range(middle.shape[0]):
         for j in range(middle.shape[1]):
@@ -179,7 +172,7 @@ def turn_joint(
 
 
 @kernel
-def difference_quotients(back: Floats, ahead: Floats, angle: float, radius: Floats, number: int, out: Floats) -> None:
+def difference_quotients(back: Array, ahead: Array, angle: float, radius: Array, number: int, out: Array) -> None:
     """The body's motion per metre of travel of rolling joint `number`, into ``out[:, :, number]``, `out` (N, 3, r).
 
     `back` and `ahead` (N, 3) are its displacements as the joint, of `radius` (N, r) [m], turns by `angle` [rad] either
@@ -191,7 +184,7 @@ def difference_quotients(back: Floats, ahead: Floats, angle: float, radius: Floa
 
 
 @kernel
-def wheel_jacobian(track: Column, out: Floats) -> None:
+def wheel_jacobian(track: Column, out: Array) -> None:
     """Motion (forward, left, turn) per metre of travel of a left and a right wheel, into `out` (N, 3, 2)."""
     for i in range(out.shape[0]):
         for side in range(2):
@@ -202,7 +195,7 @@ def wheel_jacobian(track: Column, out: Floats) -> None:
 
 
 @kernel
-def wheel_rates(twists: Floats, radius_left: Column, radius_right: Column, track: Column, out: Floats) -> None:
+def wheel_rates(twists: Array, radius_left: Column, radius_right: Column, track: Column, out: Array) -> None:
     """Rates [rad/s] of a left and a right wheel at which the body moves with `twists`, into `out` (N, 2).
 
     The inverse of `wheel_twists` for `twists` (N, 3) in m/s and rad/s. The part to the left cannot be met, and
@@ -230,18 +223,18 @@ def _along_arc(forward: float, left: float, turn: float) -> tuple[float, float]:
 
 @part
 def _grow_row(
-    covariance: Floats,
+    covariance: Array,
     heading: float,
     forward: float,
     left: float,
     turn: float,
-    jacobian: Floats,
-    before: Floats,
-    after: Floats,
+    jacobian: Array,
+    before: Array,
+    after: Array,
     rolling: Ints,
-    radius: Floats,
+    radius: Array,
     variance: float,
-    out: Floats,
+    out: Array,
 ) -> None:
     """The covariance of `reckon` for one row."""
     end_x, end_y = _along_arc(forward, left, turn)
@@ -301,16 +294,16 @@ def _grow_row(
 def reckon(
     poses: Column,
     covariance: Column,
-    displacements: Floats,
-    twists: Floats,
-    jacobian: Floats,
-    before: Floats,
-    after: Floats,
+    displacements: Array,
+    twists: Array,
+    jacobian: Array,
+    before: Array,
+    after: Array,
     rolling: Ints,
-    radius: Floats,
+    radius: Array,
     variance: Column,
-    poses_out: Floats,
-    covariance_out: Floats,
+    poses_out: Array,
+    covariance_out: Array,
 ) -> None:
     """Poses after a step, into `poses_out` (N, 3), and their covariance, to first order, into `covariance_out`.
 

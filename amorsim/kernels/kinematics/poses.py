@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.kernels.compile import kernel
 
 __all__ = [
@@ -26,7 +26,6 @@ __all__ = [
     "wrap_all",
 ]
 
-Array = npt.NDArray[np.float64]
 
 _SMALL = 1e-3  # [rad] below this the series' first left-out term, a**6/5040, is under 1e-21
 _TURN = 2.0 * math.pi

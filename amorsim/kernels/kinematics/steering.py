@@ -10,9 +10,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
+from amorsim.arrays import Array
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.kinematics.actuation import respond
 from amorsim.kernels.kinematics.poses import arc
@@ -32,7 +30,6 @@ __all__ = [
     "tricycle_paths",
 ]
 
-Floats = npt.NDArray[np.float64]
 # A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
 Column = Any
 
@@ -156,7 +153,7 @@ def _wheel_ways(start: float, end: float, skew: float, place: int) -> tuple[floa
 
 
 @kernel
-def _way(before: Floats, after: Floats, skew: float, place: int) -> float:
+def _way(before: Array, after: Array, skew: float, place: int) -> float:
     """The roll [rad of a wheel] of the rear axle's middle as a row's joints go from `before` to `after`."""
     left = float(after[1] - before[1])
     if place == CENTRE:
@@ -178,7 +175,7 @@ def _waits(before: float, after: float) -> float:
 
 @part
 def _steer(
-    start: float, wanted: float, most: float, rate: float, lag: float, dt: float, out: Floats
+    start: float, wanted: float, most: float, rate: float, lag: float, dt: float, out: Array
 ) -> tuple[float, float, float]:
     """A steering's target, its mean angle in a step and that after it; `out` gets the last and the mean rate."""
     target = min(max(wanted, -most), most)
@@ -190,9 +187,9 @@ def _steer(
 
 @kernel
 def ackermann_advance(
-    joints: Floats,
-    rates: Floats,
-    command: Floats,
+    joints: Array,
+    rates: Array,
+    command: Array,
     wheelbase: Column,
     track: Column,
     place: int,
@@ -203,7 +200,7 @@ def ackermann_advance(
     acceleration_max: Column,
     lag: Column,
     dt: float,
-    out: Floats,
+    out: Array,
 ) -> None:
     """Joints and rates of cars a step later, into `out` (2, N, j); the command is (steering [rad], wheels [rad/s])."""
     for i in range(joints.shape[0]):
@@ -233,14 +230,14 @@ def ackermann_advance(
 
 @kernel
 def ackermann_paths(
-    before: Floats,
-    after: Floats,
-    fraction: Floats,
+    before: Array,
+    after: Array,
+    fraction: Array,
     wheel_radius: Column,
     wheelbase: Column,
     track: Column,
     place: int,
-    out: Floats,
+    out: Array,
 ) -> None:
     """Displacements of cars at fractions (N, 1) of a step, into `out` (N, 3)."""
     for i in range(before.shape[0]):
@@ -253,7 +250,7 @@ def ackermann_paths(
 
 @kernel
 def ackermann_stops(
-    before: Floats, after: Floats, fraction: Floats, wheelbase: Column, track: Column, place: int, out: Floats
+    before: Array, after: Array, fraction: Array, wheelbase: Column, track: Column, place: int, out: Array
 ) -> None:
     """Joints of cars that stop at fractions (N, 1) of a step, into `out` (N, j): wheels at the angles of that place.
 
@@ -284,7 +281,7 @@ def ackermann_stops(
 
 @kernel
 def ackermann_travel(
-    before: Floats, after: Floats, wheel_radius: Column, wheelbase: Column, track: Column, place: int, out: Floats
+    before: Array, after: Array, wheel_radius: Column, wheelbase: Column, track: Column, place: int, out: Array
 ) -> None:
     """Bounds on the paths of cars in a step, into `out` (N, 2): way [m] and turning [rad], at their fastest."""
     for i in range(before.shape[0]):
@@ -296,7 +293,7 @@ def ackermann_travel(
 
 @kernel
 def ackermann_commands(
-    twists: Floats, joints: Floats, wheel_radius: Column, wheelbase: Column, steering_max: Column, out: Floats
+    twists: Array, joints: Array, wheel_radius: Column, wheelbase: Column, steering_max: Column, out: Array
 ) -> None:
     """Steering [rad] and rate of the wheels [rad/s] of cars for `twists` (N, 3), into `out` (N, 2).
 
@@ -317,7 +314,7 @@ def ackermann_commands(
 
 
 @kernel
-def ackermann_wheels(steering: Floats, wheelbase: Column, track: Column, out: Floats) -> None:
+def ackermann_wheels(steering: Array, wheelbase: Column, track: Column, out: Array) -> None:
     """Angles [rad] of the left and the right front wheel, into `out` (N, 2), for `steering` (N, 1) of the middle."""
     for i in range(steering.shape[0]):
         t = math.tan(steering[i, 0])
@@ -328,9 +325,9 @@ def ackermann_wheels(steering: Floats, wheelbase: Column, track: Column, out: Fl
 
 @kernel
 def tricycle_advance(
-    joints: Floats,
-    rates: Floats,
-    command: Floats,
+    joints: Array,
+    rates: Array,
+    command: Array,
     steering_max: Column,
     steering_rate: Column,
     steering_lag: Column,
@@ -338,7 +335,7 @@ def tricycle_advance(
     acceleration_max: Column,
     lag: Column,
     dt: float,
-    out: Floats,
+    out: Array,
 ) -> None:
     """Joints and rates of tricycles a step later, into `out` (2, N, 2); the command is (steering, front wheel)."""
     for i in range(joints.shape[0]):
@@ -361,7 +358,7 @@ def tricycle_advance(
 
 @kernel
 def tricycle_paths(
-    before: Floats, after: Floats, fraction: Floats, wheel_radius: Column, wheelbase: Column, out: Floats
+    before: Array, after: Array, fraction: Array, wheel_radius: Column, wheelbase: Column, out: Array
 ) -> None:
     """Displacements of tricycles at fractions (N, 1) of a step, into `out` (N, 3)."""
     for i in range(before.shape[0]):
@@ -373,7 +370,7 @@ def tricycle_paths(
 
 @kernel
 def tricycle_commands(
-    twists: Floats, joints: Floats, wheel_radius: Column, wheelbase: Column, steering_max: Column, out: Floats
+    twists: Array, joints: Array, wheel_radius: Column, wheelbase: Column, steering_max: Column, out: Array
 ) -> None:
     """Steering [rad] and rate of the front wheel [rad/s] of tricycles for `twists` (N, 3), into `out` (N, 2).
 

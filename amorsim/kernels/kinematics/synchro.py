@@ -5,16 +5,13 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
+from amorsim.arrays import Array
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.kinematics.actuation import respond
 from amorsim.kernels.kinematics.poses import wrap
 
 __all__ = ["DRIVEN", "FIXED", "FOLLOWS", "courses", "synchro_advance", "synchro_commands", "synchro_paths"]
 
-Floats = npt.NDArray[np.float64]
 # A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
 Column = Any
 
@@ -27,7 +24,7 @@ _STEERING_TIME = 0.5  # [s] in which wheels that point elsewhere are brought rou
 
 
 @kernel
-def _course(joints: Floats, turret: int) -> float:
+def _course(joints: Array, turret: int) -> float:
     if turret == FOLLOWS:
         return 0.0
     return float(joints[0] - joints[2]) if turret == DRIVEN else float(joints[0])
@@ -35,9 +32,9 @@ def _course(joints: Floats, turret: int) -> float:
 
 @kernel
 def synchro_advance(
-    joints: Floats,
-    rates: Floats,
-    command: Floats,
+    joints: Array,
+    rates: Array,
+    command: Array,
     steering_max: Column,
     rate_max: Column,
     turret_max: Column,
@@ -45,7 +42,7 @@ def synchro_advance(
     acceleration: Column,
     lag: Column,
     dt: float,
-    out: Floats,
+    out: Array,
 ) -> None:
     """Joints and rates a step later, into `out` (2, N, j): of steering, wheels and perhaps a turret.
 
@@ -67,9 +64,7 @@ def synchro_advance(
 
 
 @kernel
-def synchro_paths(
-    before: Floats, after: Floats, fraction: Floats, wheel_radius: Column, turret: int, out: Floats
-) -> None:
+def synchro_paths(before: Array, after: Array, fraction: Array, wheel_radius: Column, turret: int, out: Array) -> None:
     """Displacements at fractions (N, 1) of a step, into `out` (N, 3): the direction turns evenly as the wheels roll."""
     for i in range(before.shape[0]):
         f = fraction[i, 0]
@@ -90,7 +85,7 @@ def synchro_paths(
 
 
 @kernel
-def synchro_commands(twists: Floats, joints: Floats, wheel_radius: Column, turret: int, out: Floats) -> None:
+def synchro_commands(twists: Array, joints: Array, wheel_radius: Column, turret: int, out: Array) -> None:
     """Rates [rad/s] of steering, wheels and turret for `twists` (N, 3), into `out` (N, c)."""
     for i in range(twists.shape[0]):
         course = _course(joints[i], turret)
@@ -110,7 +105,7 @@ def synchro_commands(twists: Floats, joints: Floats, wheel_radius: Column, turre
 
 
 @kernel
-def courses(joints: Floats, turret: int, out: Floats) -> None:
+def courses(joints: Array, turret: int, out: Array) -> None:
     """Directions [rad] of the wheels in the body's frame, into `out` (N, 1)."""
     for i in range(joints.shape[0]):
         out[i, 0] = _course(joints[i], turret)

@@ -5,14 +5,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
+from amorsim.arrays import Array
 from amorsim.kernels.compile import kernel, part
 
 __all__ = ["follow_hitch", "hitch_after"]
 
-Floats = npt.NDArray[np.float64]
 # A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
 Column = Any
 
@@ -49,7 +46,7 @@ def hitch_after(hitch: float, v: float, w: float, length: float, offset: float, 
 
 @kernel
 def follow_hitch(
-    hitch: Floats, twists: Floats, trailer_length: Column, hitch_offset: Column, hitch_max: Column, out: Floats
+    hitch: Array, twists: Array, trailer_length: Column, hitch_offset: Column, hitch_max: Column, out: Array
 ) -> None:
     """Hitch angles [rad] after constant twists (N, 3), into `out` (N, 1).
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.kinematics.poses import displaced
 from amorsim.kernels.mapping.occupancy import Evidence, add_evidence
@@ -12,22 +13,20 @@ from amorsim.kernels.mapping.scan_cells import Area, Window, see
 
 __all__ = ["add_nodes"]
 
-Floats = npt.NDArray[np.float64]
-
 
 @kernel
 def add_nodes(
     area: Area,
-    origin: Floats,
-    poses: Floats,
-    ranges: Floats,
-    mount: Floats,
-    cos_b: Floats,
-    sin_b: Floats,
+    origin: Array,
+    poses: Array,
+    ranges: Array,
+    mount: Array,
+    cos_b: Array,
+    sin_b: Array,
     range_max: float,
     evidence: Evidence,
     window: Window,
-    at: Floats,
+    at: Array,
     log_odds: npt.NDArray[np.float32],
 ) -> None:
     """Add the scans (n, k) of nodes at `poses` (n, 3) to one map (rows * cols,) of log-odds; `at` is room for a pose.

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools, Ints32
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.mapping.scan_cells import HIT, MISSED, Area, Window, see
 
@@ -26,18 +27,16 @@ __all__ = [
     "probabilities_of_log_odds",
 ]
 
-Floats = npt.NDArray[np.float64]
-
 
 class Scans(NamedTuple):
     """A scan of each row."""
 
-    poses: Floats  # (N, 3) of the lasers in the world
-    ranges: Floats  # (N, k) [m]
-    fresh: npt.NDArray[np.bool_]  # (N, 1) whether it is to be used
-    cos_b: Floats  # (B, k), B = 1 or N: cosines and sines of the beams' bearings
-    sin_b: Floats
-    range_max: Floats  # (R, 1), R = 1 or N [m]
+    poses: Array  # (N, 3) of the lasers in the world
+    ranges: Array  # (N, k) [m]
+    fresh: Bools  # (N, 1) whether it is to be used
+    cos_b: Array  # (B, k), B = 1 or N: cosines and sines of the beams' bearings
+    sin_b: Array
+    range_max: Array  # (R, 1), R = 1 or N [m]
 
 
 class Evidence(NamedTuple):
@@ -74,7 +73,7 @@ def add_evidence(
 
 @kernel
 def add_log_odds(
-    area: Area, origins: Floats, scans: Scans, evidence: Evidence, window: Window, log_odds: npt.NDArray[np.float32]
+    area: Area, origins: Array, scans: Scans, evidence: Evidence, window: Window, log_odds: npt.NDArray[np.float32]
 ) -> None:
     """Add scans to maps (N, rows * cols) of log-odds, nan where nothing was seen; `origins` (N, 2) [m]."""
     for i in range(scans.ranges.shape[0]):
@@ -89,11 +88,11 @@ def add_log_odds(
 @kernel
 def add_counts(
     area: Area,
-    origins: Floats,
+    origins: Array,
     scans: Scans,
     window: Window,
-    hit_counts: npt.NDArray[np.int32],
-    miss_counts: npt.NDArray[np.int32],
+    hit_counts: Ints32,
+    miss_counts: Ints32,
 ) -> None:
     """Add scans to maps (N, rows * cols) of hits and of misses; `origins` (N, 2) [m]."""
     for i in range(scans.ranges.shape[0]):
@@ -116,7 +115,7 @@ def add_counts(
 
 
 @kernel
-def probabilities_of_log_odds(log_odds: npt.NDArray[np.float32], out: Floats) -> None:
+def probabilities_of_log_odds(log_odds: npt.NDArray[np.float32], out: Array) -> None:
     """Probabilities (N, n) that cells are occupied; nan where nothing was seen."""
     for i in range(log_odds.shape[0]):
         for j in range(log_odds.shape[1]):
@@ -125,7 +124,7 @@ def probabilities_of_log_odds(log_odds: npt.NDArray[np.float32], out: Floats) ->
 
 
 @kernel
-def probabilities_of_counts(hit_counts: npt.NDArray[np.int32], miss_counts: npt.NDArray[np.int32], out: Floats) -> None:
+def probabilities_of_counts(hit_counts: Ints32, miss_counts: Ints32, out: Array) -> None:
     """Shares (N, n) of hits among all observations of cells; nan where there are none."""
     for i in range(hit_counts.shape[0]):
         for j in range(hit_counts.shape[1]):

@@ -11,11 +11,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.kernels.compile import part
 
 __all__ = ["HIT", "MISSED", "Area", "Window", "see", "window_for"]
 
-Floats = npt.NDArray[np.float64]
 
 MISSED = 1
 HIT = 2
@@ -82,11 +82,11 @@ def _cross(window: Window, x: float, y: float, dx: float, dy: float, length: flo
 @part
 def see(
     area: Area,
-    origin: Floats,
-    pose: Floats,
-    ranges: Floats,
-    cos_b: Floats,
-    sin_b: Floats,
+    origin: Array,
+    pose: Array,
+    ranges: Array,
+    cos_b: Array,
+    sin_b: Array,
     range_max: float,
     window: Window,
 ) -> tuple[int, int]:

@@ -13,12 +13,12 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.kinematics.poses import wrap
 
 __all__ = ["BLOCK", "Picture", "Window", "add", "clear", "correlate", "draw", "picture", "weigh"]
 
-Floats = npt.NDArray[np.float64]
 
 BLOCK = 8  # cells of the picture to a side of a coarse one
 _SPREAD = 3.0  # standard deviations to which points are blurred
@@ -32,7 +32,7 @@ class Picture(NamedTuple):
 
     resolution: float  # [m]
     std: float  # [m] of the blur
-    corner: Floats  # (2,) [m] its lower left corner
+    corner: Array  # (2,) [m] its lower left corner
     fine: npt.NDArray[np.float32]  # (n, n), n a multiple of BLOCK
     coarse: npt.NDArray[np.float32]  # (n / BLOCK, n / BLOCK), the largest value in each block
 
@@ -54,7 +54,7 @@ def picture(reach: float, resolution: float, std: float) -> Picture:
 
 
 @kernel
-def draw(points: Floats, out: Picture) -> None:
+def draw(points: Array, out: Picture) -> None:
     """Draw points (k, 2) [m], and forget those drawn before."""
     out.fine[:] = 0.0
     out.coarse[:] = 0.0
@@ -62,7 +62,7 @@ def draw(points: Floats, out: Picture) -> None:
 
 
 @part
-def add(points: Floats, x: float, y: float, heading: float, out: Picture) -> None:
+def add(points: Array, x: float, y: float, heading: float, out: Picture) -> None:
     """Draw more points (k, 2) [m], those of a robot at (x, y, heading)."""
     c = math.cos(heading)
     s = math.sin(heading)
@@ -88,7 +88,7 @@ def add(points: Floats, x: float, y: float, heading: float, out: Picture) -> Non
 
 
 @kernel
-def clear(points: Floats, x: float, y: float, out: Picture) -> None:
+def clear(points: Array, x: float, y: float, out: Picture) -> None:
     """Mark as free the cells that beams from (x, y) [m] to points (k, 2) [m] cross, except near a point."""
     side = out.fine.shape[0]
     u = (x - out.corner[0]) / out.resolution
@@ -111,7 +111,7 @@ def clear(points: Floats, x: float, y: float, out: Picture) -> None:
 
 
 @kernel
-def weigh(on: Picture, points: Floats, pose: Floats) -> float:
+def weigh(on: Picture, points: Array, pose: Array) -> float:
     """How well points (k, 2) at a pose (3,) fit a picture: the mean of their cells, 0 for no points."""
     side = on.fine.shape[0]
     c = math.cos(pose[2])
@@ -130,7 +130,7 @@ def weigh(on: Picture, points: Floats, pose: Floats) -> float:
 
 
 @part
-def _fine(on: Picture, cells: npt.NDArray[np.int64], count: int, row: int, col: int) -> float:
+def _fine(on: Picture, cells: Ints, count: int, row: int, col: int) -> float:
     """The sum of the picture's values in `count` cells that are moved by (row, col)."""
     side = on.fine.shape[0]
     total: Any = 0.0
@@ -143,7 +143,7 @@ def _fine(on: Picture, cells: npt.NDArray[np.int64], count: int, row: int, col: 
 
 
 @part
-def _coarse(on: Picture, cells: npt.NDArray[np.int64], count: int, row: int, col: int) -> float:
+def _coarse(on: Picture, cells: Ints, count: int, row: int, col: int) -> float:
     """An upper bound of the sum for `count` cells moved by (row, col) or by up to BLOCK - 1 cells more."""
     blocks = on.coarse.shape[0]
     total: Any = 0.0
@@ -159,9 +159,7 @@ def _coarse(on: Picture, cells: npt.NDArray[np.int64], count: int, row: int, col
 
 
 @kernel
-def correlate(
-    on: Picture, points: Floats, start: Floats, window: Window, cells: npt.NDArray[np.int64], out: Floats
-) -> float:
+def correlate(on: Picture, points: Array, start: Array, window: Window, cells: Ints, out: Array) -> float:
     """Find the pose (3,) in a window around `start` (3,) at which points (k, 2) fit a picture best; returns how well.
 
     How well is from 0, not at all, to 1, and a little less away from the start. `cells` is room for (k, 2) numbers. Of

@@ -12,8 +12,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.kinematics.poses import wrap
 from amorsim.kernels.matching import priors
@@ -36,7 +36,6 @@ __all__ = [
     "work",
 ]
 
-Floats = npt.NDArray[np.float64]
 
 _ORDER = 0.7  # pairs farther apart than twice the distance that this part of them has are left out
 _BEYOND = 2.0
@@ -50,10 +49,10 @@ _SLANT = 1e-3  # least cosine of the incidence in Fisher's information
 class Reference(NamedTuple):
     """The surface that scans are aligned with, in a robot's frame: points and short lines, nan beyond the last."""
 
-    points: Floats  # (s, 2) [m]
-    lines: Floats  # (s, 4) as of `Outline`
-    order: npt.NDArray[np.int64]  # (s,) the lines by their x
-    along: Floats  # (s,) [m] x in that order, inf beyond the last
+    points: Array  # (s, 2) [m]
+    lines: Array  # (s, 4) as of `Outline`
+    order: Ints  # (s,) the lines by their x
+    along: Array  # (s,) [m] x in that order, inf beyond the last
 
 
 class Search(NamedTuple):
@@ -69,27 +68,27 @@ class Search(NamedTuple):
 class Result(NamedTuple):
     """The result of an alignment."""
 
-    pose: Floats  # (3,) of the scan's robot in the reference's frame
-    information: Floats  # (3, 3) from the scan alone
-    values: Floats  # (3,) its eigenvalues with angles in lengths (see `align`), the least first
-    vectors: Floats  # (3, 3) and their directions, in columns
-    quality: Floats  # (3,) share of points that have a pair, root mean square of their distances [m], steps
-    kept: Floats  # (3, 3) the prior's information, as it counted
+    pose: Array  # (3,) of the scan's robot in the reference's frame
+    information: Array  # (3, 3) from the scan alone
+    values: Array  # (3,) its eigenvalues with angles in lengths (see `align`), the least first
+    vectors: Array  # (3, 3) and their directions, in columns
+    quality: Array  # (3,) share of points that have a pair, root mean square of their distances [m], steps
+    kept: Array  # (3, 3) the prior's information, as it counted
 
 
 class Work(NamedTuple):
     """Room for one alignment of scans of k beams."""
 
-    pairs: npt.NDArray[np.int64]  # (k,)
-    apart: Floats  # (k,) square of the distance of a point from its line's point [m^2]
-    across: Floats  # (k,) and from the line
-    ordered: Floats  # (k,)
-    slopes: Floats  # (k, 3) of a point's distance from its line, by the pose
-    off: Floats  # (k,) that distance [m]
-    weights: Floats  # (k,) how much it counts [1/m^2]
-    sums: Floats  # (3, 3)
-    vectors: Floats  # (3, 3)
-    numbers: Floats  # (3, 3): values, right side, step
+    pairs: Ints  # (k,)
+    apart: Array  # (k,) square of the distance of a point from its line's point [m^2]
+    across: Array  # (k,) and from the line
+    ordered: Array  # (k,)
+    slopes: Array  # (k, 3) of a point's distance from its line, by the pose
+    off: Array  # (k,) that distance [m]
+    weights: Array  # (k,) how much it counts [1/m^2]
+    sums: Array  # (3, 3)
+    vectors: Array  # (3, 3)
+    numbers: Array  # (3, 3): values, right side, step
     prior: priors.Room
 
 
@@ -175,7 +174,7 @@ def _is_unlike(reference: Reference, j: int, scan: Outline, i: int, c: float, s:
 
 
 @kernel
-def _trim(apart: Floats, least: float, at: Work) -> None:
+def _trim(apart: Array, least: float, at: Work) -> None:
     """Leave out pairs whose squares `apart` are much larger than most, and larger than `least`."""
     count = 0
     for i in range(at.pairs.shape[0]):
@@ -190,7 +189,7 @@ def _trim(apart: Floats, least: float, at: Work) -> None:
 
 
 @kernel
-def _pair(reference: Reference, scan: Outline, pose: Floats, search: Search, is_near: bool, at: Work) -> int:
+def _pair(reference: Reference, scan: Outline, pose: Array, search: Search, is_near: bool, at: Work) -> int:
     """Pair each point with the nearest line's point; -1 where none is near. Returns how many points there are.
 
     Once the pose `is_near`, surfaces at both ends must be turned alike, and points lie near their lines.
@@ -225,7 +224,7 @@ def _pair(reference: Reference, scan: Outline, pose: Floats, search: Search, is_
 
 
 @kernel
-def _linearize(reference: Reference, scan: Outline, pose: Floats, std: float, at: Work) -> None:
+def _linearize(reference: Reference, scan: Outline, pose: Array, std: float, at: Work) -> None:
     """Compute how far paired points are off their lines, its slopes by the pose, and how much each pair counts."""
     c = math.cos(pose[2])
     s = math.sin(pose[2])
@@ -246,7 +245,7 @@ def _linearize(reference: Reference, scan: Outline, pose: Floats, std: float, at
 
 
 @part
-def _sum_up(at: Work, information: Floats) -> tuple[int, float]:
+def _sum_up(at: Work, information: Array) -> tuple[int, float]:
     """Sum the pairs' information, and their pull into ``at.numbers[1]``; returns their number and squared distance."""
     information[:] = 0.0
     right = at.numbers[1]
@@ -279,7 +278,7 @@ def _sum_up(at: Work, information: Floats) -> tuple[int, float]:
 
 
 @part
-def _leave_out_unchecked(arm: float, at: Work, information: Floats) -> None:
+def _leave_out_unchecked(arm: float, at: Work, information: Array) -> None:
     """Let each pair count as far as the others check it: by its redundancy, 1 less the share that it has in the pose.
 
     Along a corridor a point or two at a door frame may alone tell the place; nothing would show it if their line were
@@ -314,7 +313,7 @@ def _arm(scan: Outline) -> float:
 
 @kernel
 def align(
-    reference: Reference, scan: Outline, start: Floats, prior: Prior, search: Search, at: Work, out: Result
+    reference: Reference, scan: Outline, start: Array, prior: Prior, search: Search, at: Work, out: Result
 ) -> None:
     """Align a scan with a reference, from a pose `start` (3,) in the reference's frame.
 
@@ -367,7 +366,7 @@ def align(
 
 
 @kernel
-def fisher(ranges: Floats, normals: Floats, rays: Floats, std: float, out: Floats) -> None:
+def fisher(ranges: Array, normals: Array, rays: Array, std: float, out: Array) -> None:
     """Fisher's information (3, 3) of a scan on the pose of its laser, if ranges have white noise of `std` [m].
 
     With the normal's direction α, β = α less the beam's direction and the range r, a range's slopes by the pose are

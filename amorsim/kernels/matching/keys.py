@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-import numpy.typing as npt
-
+from amorsim.arrays import Array
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.matching import icp
 from amorsim.kernels.matching.outlines import Outline
 
 __all__ = ["extend"]
 
-Floats = npt.NDArray[np.float64]
 
 _FARTHEST = 20.0  # [m] from the robot that points of before are kept
 _APART = 0.1  # [m] from a new point that older ones are kept
@@ -41,7 +38,7 @@ def _is_superseded(x: float, y: float, scan: Outline) -> bool:
 
 
 @part
-def _copy(points: Floats, lines: Floats, j: int, key: icp.Reference, place: int) -> None:
+def _copy(points: Array, lines: Array, j: int, key: icp.Reference, place: int) -> None:
     """Copy a point and its line to a place in a key."""
     for k in range(2):
         key.points[place, k] = points[j, k]
@@ -50,7 +47,7 @@ def _copy(points: Floats, lines: Floats, j: int, key: icp.Reference, place: int)
 
 
 @kernel
-def extend(scan: Outline, key: icp.Reference, moved: Floats) -> None:
+def extend(scan: Outline, key: icp.Reference, moved: Array) -> None:
     """Add a scan to a key, whose frame becomes the scan's; `moved` (3,) is that frame in the key's.
 
     Points of before are kept, the oldest first, where the scan shows nothing. Where there is no room for all of them,

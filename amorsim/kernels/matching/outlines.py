@@ -6,13 +6,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.kernels.compile import kernel, part
 
 __all__ = ["Outline", "new_outline", "outline", "outlines"]
 
-Floats = npt.NDArray[np.float64]
 
 _REACH = 0.15  # [m] around a point, from which its line is fitted ...
 _BEAMS = 2.5  # ... or so many distances between beams, if that is farther
@@ -27,9 +26,9 @@ _STRAIGHTER = 4.0  # how many times less the points to one side spread across th
 class Outline(NamedTuple):
     """A scan in its robot's frame; nan where a beam saw nothing, lines also where there is no clear surface."""
 
-    points: Floats  # (k, 2) [m]
-    lines: Floats  # (k, 4) a point of the surface [m], and its unit normal towards the laser
-    rays: Floats  # (k, 2) unit directions of the beams
+    points: Array  # (k, 2) [m]
+    lines: Array  # (k, 4) a point of the surface [m], and its unit normal towards the laser
+    rays: Array  # (k, 2) unit directions of the beams
 
 
 def new_outline(beams: int) -> Outline:
@@ -38,7 +37,7 @@ def new_outline(beams: int) -> Outline:
 
 
 @part
-def outline(ranges: Floats, cos_b: Floats, sin_b: Floats, range_max: float, mount: Floats, out: Outline) -> None:
+def outline(ranges: Array, cos_b: Array, sin_b: Array, range_max: float, mount: Array, out: Outline) -> None:
     """The outline of a scan (k,) of a laser at `mount` (3,) on its robot."""
     count = ranges.shape[0]
     c = math.cos(mount[2])
@@ -56,7 +55,7 @@ def outline(ranges: Floats, cos_b: Floats, sin_b: Floats, range_max: float, moun
 
 
 @part
-def _line(ranges: Floats, i: int, out: Outline) -> None:
+def _line(ranges: Array, i: int, out: Outline) -> None:
     """Fit a line through the points around point i: their mean, and the direction of their least spread.
 
     Where the points to one side alone lie much straighter, there is a corner, and the line is theirs.
@@ -177,14 +176,14 @@ def _fit(of: Outline, i: int, first: int, last: int) -> tuple[float, float, floa
 
 @kernel
 def outlines(
-    ranges: Floats,
-    cos_b: Floats,
-    sin_b: Floats,
-    range_max: Floats,
-    mounts: Floats,
-    points: Floats,
-    lines: Floats,
-    rays: Floats,
+    ranges: Array,
+    cos_b: Array,
+    sin_b: Array,
+    range_max: Array,
+    mounts: Array,
+    points: Array,
+    lines: Array,
+    rays: Array,
 ) -> None:
     """Outlines of scans (N, k), into points (N, k, 2), lines (N, k, 4) and rays (N, k, 2); see `Outline`."""
     for i in range(ranges.shape[0]):

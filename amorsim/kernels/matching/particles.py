@@ -12,8 +12,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.kinematics.poses import displaced
 from amorsim.kernels.matching import icp, priors
@@ -23,9 +23,6 @@ from amorsim.kernels.matching.tracking import Outlines, swing
 
 __all__ = ["Particles", "Weighing", "Workshop", "move_and_match", "resample", "workshop"]
 
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
-Bools = npt.NDArray[np.bool_]
 
 _FLOOR = 1e-3  # [m, rad] least standard deviation of what the wheels say between two scans
 _CUT = 9.0  # squared deviations beyond which a point tells nothing more
@@ -34,12 +31,12 @@ _CUT = 9.0  # squared deviations beyond which a point tells nothing more
 class Particles(NamedTuple):
     """The P particles of each of N rows, with room for K nodes."""
 
-    pose: Floats  # (N, P, 3)
-    weight: Floats  # (N, P), logarithms
-    path: Floats  # (N, P, K, 3) where the nodes' scans were taken
+    pose: Array  # (N, P, 3)
+    weight: Array  # (N, P), logarithms
+    path: Array  # (N, P, K, 3) where the nodes' scans were taken
     nodes: Ints  # (N,) how many
-    drift: Floats  # (N, 3, 3) covariance of the heaviest one's pose by errors of scans, which its map does not show
-    node_drift: Floats  # (N, K, 3, 3) and when the nodes' scans were taken
+    drift: Array  # (N, 3, 3) covariance of the heaviest one's pose by errors of scans, which its map does not show
+    node_drift: Array  # (N, K, 3, 3) and when the nodes' scans were taken
 
 
 class Weighing(NamedTuple):
@@ -62,10 +59,10 @@ class Workshop(NamedTuple):
     work: icp.Work
     result: icp.Result
     prior: priors.Prior
-    turned: Floats  # (3, 3)
-    root: Floats  # (3, 3)
-    start: Floats  # (3,)
-    drift: Floats  # (3, 3)
+    turned: Array  # (3, 3)
+    root: Array  # (3, 3)
+    start: Array  # (3,)
+    drift: Array  # (3, 3)
 
 
 def workshop(beams: int, references: int, every: int) -> Workshop:
@@ -86,7 +83,7 @@ def workshop(beams: int, references: int, every: int) -> Workshop:
 
 
 @part
-def _root(matrix: Floats, out: Floats) -> None:
+def _root(matrix: Array, out: Array) -> None:
     """The lower triangle (3, 3) whose square is a covariance; 0 where that has no spread."""
     for i in range(3):
         for j in range(3):
@@ -104,7 +101,7 @@ def _root(matrix: Floats, out: Floats) -> None:
 
 
 @part
-def _choose(path: Floats, count: int, pose: Floats, reach: float, chosen: Ints) -> int:
+def _choose(path: Array, count: int, pose: Array, reach: float, chosen: Ints) -> int:
     """The newest node, and those nearest to a pose; returns how many."""
     chosen[0] = count - 1
     found = 1
@@ -132,11 +129,11 @@ def _choose(path: Floats, count: int, pose: Floats, reach: float, chosen: Ints) 
 def move_and_match(
     particles: Particles,
     due: Bools,
-    moved: Floats,
-    spread: Floats,
-    normals: Floats,
+    moved: Array,
+    spread: Array,
+    normals: Array,
     scans: Outlines,
-    node_lines: Floats,
+    node_lines: Array,
     weighing: Weighing,
     at: Workshop,
 ) -> None:
@@ -193,7 +190,7 @@ def move_and_match(
 
 
 @part
-def _know(spread: Floats, heading: float, pose: Floats, at: Workshop) -> None:
+def _know(spread: Array, heading: float, pose: Array, at: Workshop) -> None:
     """Set the prior: the sampled pose, as sure as the wheels are."""
     c = math.cos(heading)
     s = math.sin(heading)
@@ -218,7 +215,7 @@ def _know(spread: Floats, heading: float, pose: Floats, at: Workshop) -> None:
 
 
 @part
-def _sum_up_drift(node_drift: Floats, path: Floats, found: int, at: Workshop, out: Floats) -> None:
+def _sum_up_drift(node_drift: Array, path: Array, found: int, at: Workshop, out: Array) -> None:
     """Compute the covariance (3, 3) of a matched pose by errors of scans: of this one, and of those it was laid on.
 
     What the wheels' errors add is not in it, as the particles have been moved with such errors.
@@ -244,7 +241,7 @@ def _sum_up_drift(node_drift: Floats, path: Floats, found: int, at: Workshop, ou
 
 
 @part
-def _place_lines(lines: Floats, path: Floats, found: int, at: Workshop) -> None:
+def _place_lines(lines: Array, path: Array, found: int, at: Workshop) -> None:
     """Put the lines of the chosen nodes into the world, as one reference."""
     k = lines.shape[1]
     for place in range(at.reference.lines.shape[0]):
@@ -290,9 +287,7 @@ def _likelihood(weighing: Weighing, at: Workshop) -> float:
 
 
 @kernel
-def resample(
-    particles: Particles, due: Bools, share: float, uniforms: Floats, at_pose: Floats, at_path: Floats
-) -> None:
+def resample(particles: Particles, due: Bools, share: float, uniforms: Array, at_pose: Array, at_path: Array) -> None:
     """Resample the particles of rows whose effective number is below a share of them (systematic resampling).
 
     One draw (N, 1) places all P marks, so that few particles are lost. `at_pose` (P, 3) and `at_path` (P, K, 3) are

@@ -6,14 +6,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.kernels.compile import part
 from amorsim.kernels.matching.symmetric import UNDETERMINED, directions, eigen, solve
 
 __all__ = ["Prior", "Room", "keep", "no_prior", "room"]
-
-Floats = npt.NDArray[np.float64]
 
 
 class Prior(NamedTuple):
@@ -24,17 +22,17 @@ class Prior(NamedTuple):
     weight: K. Lange, R. Little, J. Taylor, "Robust statistical modeling using the t distribution" (1989).
     """
 
-    pose: Floats  # (3,)
-    information: Floats  # (3, 3)
+    pose: Array  # (3,)
+    information: Array  # (3, 3)
     freedom: float  # degrees of freedom; inf for a normal distribution
 
 
 class Room(NamedTuple):
     """Room for what `keep` computes."""
 
-    sums: Floats  # (3, 3)
-    vectors: Floats  # (3, 3)
-    numbers: Floats  # (4, 3)
+    sums: Array  # (3, 3)
+    vectors: Array  # (3, 3)
+    numbers: Array  # (4, 3)
 
 
 def room() -> Room:
@@ -50,13 +48,13 @@ def no_prior(freedom: float = math.inf) -> Prior:
 @part
 def keep(
     prior: Prior,
-    information: Floats,
-    right: Floats,
+    information: Array,
+    right: Array,
     off: tuple[float, float, float],
     arm: float,
     degenerate: float,
     at: Room,
-    out: Floats,
+    out: Array,
 ) -> None:
     """The information (3, 3) that a prior keeps: the less, the more a scan contradicts it.
 
@@ -104,7 +102,7 @@ def keep(
 
 
 @part
-def _times(matrix: Floats, vector: Floats, out: Floats) -> None:
+def _times(matrix: Array, vector: Array, out: Array) -> None:
     """The product of a matrix (3, 3) and a vector (3,)."""
     for i in range(3):
         out[i] = matrix[i, 0] * vector[0] + matrix[i, 1] * vector[1] + matrix[i, 2] * vector[2]

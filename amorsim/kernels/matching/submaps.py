@@ -8,9 +8,7 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-import numpy.typing as npt
-
+from amorsim.arrays import Array
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.kinematics.poses import displaced
 from amorsim.kernels.matching import correlative, icp, tracking
@@ -18,16 +16,14 @@ from amorsim.kernels.matching.outlines import Outline
 
 __all__ = ["align_with_submap", "draw_submap"]
 
-Floats = npt.NDArray[np.float64]
-
 
 @kernel
 def draw_submap(
     scans: tracking.Outlines,
-    poses: Floats,
-    mount: Floats,
+    poses: Array,
+    mount: Array,
     reach: float,
-    points: Floats,
+    points: Array,
     out: icp.Reference,
     on: correlative.Picture,
 ) -> None:
@@ -68,10 +64,10 @@ def draw_submap(
 @kernel
 def align_with_submap(
     scans: tracking.Outlines,
-    poses: Floats,
-    mount: Floats,
+    poses: Array,
+    mount: Array,
     reach: float,
-    points: Floats,
+    points: Array,
     reference: icp.Reference,
     rules: tracking.Rules,
     at: tracking.Room,

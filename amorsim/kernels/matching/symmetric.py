@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-import numpy.typing as npt
-
+from amorsim.arrays import Array
 from amorsim.kernels.compile import part
 
 __all__ = ["UNDETERMINED", "directions", "eigen", "invert", "solve"]
 
-Floats = npt.NDArray[np.float64]
 
 UNDETERMINED = 1e-8
 """Eigenvalues below this part of the largest tell nothing."""
@@ -20,7 +17,7 @@ _SWEEPS = 12  # Jacobi's method is quadratic; five are enough for 3 x 3
 
 
 @part
-def eigen(matrix: Floats, values: Floats, vectors: Floats) -> None:
+def eigen(matrix: Array, values: Array, vectors: Array) -> None:
     """Eigenvalues (3,), the least first, and eigenvectors in the columns of `vectors` (3, 3); `matrix` is used up.
 
     Jacobi's method: each rotation makes one pair of numbers off the diagonal 0.
@@ -75,7 +72,7 @@ def eigen(matrix: Floats, values: Floats, vectors: Floats) -> None:
 
 
 @part
-def directions(information: Floats, arm: float, scaled: Floats, values: Floats, vectors: Floats) -> None:
+def directions(information: Array, arm: float, scaled: Array, values: Array, vectors: Array) -> None:
     """Eigenvalues (3,) and eigenvectors of an information on a pose, in which turns count as lengths.
 
     A turn is as long as it moves a point at the distance `arm` [m]. `scaled` (3, 3) is room.
@@ -87,7 +84,7 @@ def directions(information: Floats, arm: float, scaled: Floats, values: Floats, 
 
 
 @part
-def solve(values: Floats, vectors: Floats, right: Floats, least: float, out: Floats) -> None:
+def solve(values: Array, vectors: Array, right: Array, least: float, out: Array) -> None:
     """The solution (3,) of a system by its matrix's eigenvalues; none along those below `least` of the largest."""
     for i in range(3):
         out[i] = 0.0
@@ -99,7 +96,7 @@ def solve(values: Floats, vectors: Floats, right: Floats, least: float, out: Flo
 
 
 @part
-def invert(matrix: Floats, out: Floats) -> bool:
+def invert(matrix: Array, out: Array) -> bool:
     """The inverse (3, 3) of a positive matrix, by cofactors; False, and nothing written, if it is singular."""
     a = matrix[1, 1] * matrix[2, 2] - matrix[1, 2] * matrix[1, 2]
     b = matrix[0, 2] * matrix[1, 2] - matrix[0, 1] * matrix[2, 2]

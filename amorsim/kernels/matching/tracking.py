@@ -10,8 +10,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.kinematics.poses import displaced, wrap
 from amorsim.kernels.matching import correlative, icp
@@ -42,8 +42,6 @@ __all__ = [
     "track",
 ]
 
-Floats = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
 
 _ASIDE = math.radians(10.0)  # that the second stage may turn farther than the window
 _FARTHER = 3.0  # times the window, in which a scan is looked for that does not fit
@@ -65,31 +63,31 @@ RECORD = 12
 class Outlines(NamedTuple):
     """Outlines of N rows; see `Outline`."""
 
-    points: Floats  # (N, k, 2)
-    lines: Floats  # (N, k, 4)
-    rays: Floats  # (N, k, 2)
+    points: Array  # (N, k, 2)
+    lines: Array  # (N, k, 4)
+    rays: Array  # (N, k, 2)
 
 
 class Keys(NamedTuple):
     """The keys of N rows; see `Reference`."""
 
-    points: Floats  # (N, s, 2)
-    lines: Floats  # (N, s, 4)
-    order: npt.NDArray[np.int64]  # (N, s)
-    along: Floats  # (N, s)
-    seen: Floats  # (N, k, 2) points of the last scan in them
-    mounts: Floats  # (N, 3) of the lasers
+    points: Array  # (N, s, 2)
+    lines: Array  # (N, s, 4)
+    order: Ints  # (N, s)
+    along: Array  # (N, s)
+    seen: Array  # (N, k, 2) points of the last scan in them
+    mounts: Array  # (N, 3) of the lasers
 
 
 class Tracks(NamedTuple):
     """The tracks of N rows: their estimated poses."""
 
-    pose: Floats  # (N, 3)
-    spread: Floats  # (N, 3, 3) covariance of the motion since the key, in the world
-    key_pose: Floats  # (N, 3)
-    key_covariance: Floats  # (N, 3, 3)
-    last: Floats  # (N, 3) the pose at the last match; nan before the first scan
-    last_points: Floats  # (N, k, 2) of the scan that was matched then
+    pose: Array  # (N, 3)
+    spread: Array  # (N, 3, 3) covariance of the motion since the key, in the world
+    key_pose: Array  # (N, 3)
+    key_covariance: Array  # (N, 3, 3)
+    last: Array  # (N, 3) the pose at the last match; nan before the first scan
+    last_points: Array  # (N, k, 2) of the scan that was matched then
 
 
 class Rules(NamedTuple):
@@ -113,11 +111,11 @@ class Room(NamedTuple):
     result: icp.Result
     prior: Prior
     picture: correlative.Picture
-    cells: npt.NDArray[np.int64]  # (k, 2)
-    start: Floats  # (3,)
-    matrix: Floats  # (3, 3)
+    cells: Ints  # (k, 2)
+    start: Array  # (3,)
+    matrix: Array  # (3, 3)
     free: Prior  # nothing known
-    found: Floats  # (3,)
+    found: Array  # (3,)
 
 
 def room(beams: int, reach: float, resolution: float, blur: float) -> Room:
@@ -136,7 +134,7 @@ def room(beams: int, reach: float, resolution: float, blur: float) -> Room:
 
 
 @part
-def _relative(pose: Floats, other: Floats, out: Floats) -> None:
+def _relative(pose: Array, other: Array, out: Array) -> None:
     """The displacement from a pose to another one, in the first one's frame."""
     c = math.cos(pose[2])
     s = math.sin(pose[2])
@@ -148,7 +146,7 @@ def _relative(pose: Floats, other: Floats, out: Floats) -> None:
 
 
 @part
-def _turn(matrix: Floats, angle: float, out: Floats) -> None:
+def _turn(matrix: Array, angle: float, out: Array) -> None:
     """A covariance or information (3, 3) of x, y, heading in a frame turned by -angle, as seen from there."""
     c = math.cos(angle)
     s = math.sin(angle)
@@ -169,7 +167,7 @@ def _turn(matrix: Floats, angle: float, out: Floats) -> None:
 
 
 @kernel
-def _draw(reference: icp.Reference, seen: Floats, mount: Floats, at: Room) -> None:
+def _draw(reference: icp.Reference, seen: Array, mount: Array, at: Room) -> None:
     """Draw the picture of a reference, and the free space that its last scan saw."""
     correlative.draw(reference.points, at.picture)
     correlative.clear(seen, mount[0], mount[1], at.picture)
@@ -198,7 +196,7 @@ def align_outline(
 
 
 @part
-def swing(covariance: Floats, dx: float, dy: float, out: Floats) -> None:
+def swing(covariance: Array, dx: float, dy: float, out: Array) -> None:
     """Carry a pose's covariance (3, 3) to the end of a displacement (dx, dy) in the world."""
     for i in range(3):
         for j in range(3):
@@ -217,7 +215,7 @@ def swing(covariance: Floats, dx: float, dy: float, out: Floats) -> None:
 
 
 @kernel
-def total_covariances(tracks: Tracks, out: Floats) -> None:
+def total_covariances(tracks: Tracks, out: Array) -> None:
     """Covariances (N, 3, 3) of the poses: of the key's, and of the motion since."""
     for i in range(tracks.pose.shape[0]):
         dx = tracks.pose[i, 0] - tracks.key_pose[i, 0]
@@ -252,14 +250,14 @@ def _make_key(i: int, scans: Outlines, keys: Keys, tracks: Tracks, at: Room) -> 
 
 
 @part
-def _is_far(pose: Floats, other: Floats, distance: float, angle: float) -> bool:
+def _is_far(pose: Array, other: Array, distance: float, angle: float) -> bool:
     dx = pose[0] - other[0]
     dy = pose[1] - other[1]
     return bool(dx * dx + dy * dy >= distance * distance or abs(wrap(pose[2] - other[2])) >= angle)
 
 
 @part
-def _has_changed(points: Floats, before: Floats, by: float) -> bool:
+def _has_changed(points: Array, before: Array, by: float) -> bool:
     """Whether most beams that see something see it nearer or farther than before, by more than `by` [m].
 
     So a robot whose wheels slip or stand is seen to move.
@@ -289,7 +287,7 @@ def _remember(i: int, scans: Outlines, tracks: Tracks) -> None:
 
 @kernel
 def track(
-    scans: Outlines, fresh: Bools, keys: Keys, tracks: Tracks, rules: Rules, at: Room, records: Floats, out: Bools
+    scans: Outlines, fresh: Bools, keys: Keys, tracks: Tracks, rules: Rules, at: Room, records: Array, out: Bools
 ) -> None:
     """Match the new scans of N rows that have moved since their last match, and correct their tracks.
 
@@ -352,7 +350,7 @@ def _look_farther(key: icp.Reference, scan: Outline, fit: float, rules: Rules, a
 
 
 @part
-def _doubt(window: correlative.Window, spread: Floats) -> None:
+def _doubt(window: correlative.Window, spread: Array) -> None:
     """Widen the covariance of a motion that no scan confirms: it may be off by half of the window."""
     for j in range(2):
         spread[j, j] += 0.25 * window.linear * window.linear
@@ -360,7 +358,7 @@ def _doubt(window: correlative.Window, spread: Floats) -> None:
 
 
 @kernel
-def _match(i: int, scans: Outlines, keys: Keys, tracks: Tracks, rules: Rules, at: Room, record: Floats) -> float:
+def _match(i: int, scans: Outlines, keys: Keys, tracks: Tracks, rules: Rules, at: Room, record: Array) -> float:
     """Match a row's scan with its key and correct its track; returns the share of points on the key."""
     scan = Outline(scans.points[i], scans.lines[i], scans.rays[i])
     key = _key(keys, i)

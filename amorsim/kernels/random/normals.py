@@ -10,14 +10,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.compile import inlined, part
 from amorsim.kernels.random.quarter_turns import cosine_of_quarters, sine_of_quarters
 
 __all__ = ["normals"]
 
-Floats = npt.NDArray[np.float64]
 
 _MANTISSA = 52  # bits of it
 _ROOT_HALF = 0x3FE6A09E667F3BCD  # the bits of the square root of 1/2
@@ -25,7 +24,7 @@ _LN_2 = 0.6931471805599453
 
 
 @part
-def _split(bits: npt.NDArray[np.int64], power: Floats) -> None:
+def _split(bits: Ints, power: Array) -> None:
     """Turn positive numbers, given by their bits, into m of m * 2**power, from the root of a half to that of two."""
     for b in range(bits.shape[0]):
         word = bits[b]
@@ -47,7 +46,7 @@ def _log(m: float, power: float) -> float:
 
 
 @part
-def normals(first: Floats, second: Floats, first_bits: npt.NDArray[np.int64], power: Floats) -> None:
+def normals(first: Array, second: Array, first_bits: Ints, power: Array) -> None:
     """Turn pairs of uniform draws in (0, 1) into pairs of standard normal ones, in place.
 
     `first_bits` is `first` seen as whole numbers, and `power` room to work in, as long.

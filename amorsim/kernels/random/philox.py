@@ -8,12 +8,12 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.kernels.compile import inlined, kernel, part
 from amorsim.kernels.random.normals import normals
 
 __all__ = ["fill_normal", "fill_uniform", "lay_out", "pairs", "philox"]
 
-Floats = npt.NDArray[np.float64]
 
 _MULTIPLIER_0 = np.uint64(0xD2511F53)
 _MULTIPLIER_1 = np.uint64(0xCD9E8D57)
@@ -50,7 +50,7 @@ def _unit(high: np.uint64, low: np.uint64) -> float:
 
 
 @part
-def pairs(key: np.uint64, counter: npt.NDArray[np.uint32], row: int, block: int, first: Floats, second: Floats) -> None:
+def pairs(key: np.uint64, counter: npt.NDArray[np.uint32], row: int, block: int, first: Array, second: Array) -> None:
     """Two uniform draws in (0, 1) from each of a row's blocks of the tick, from number `block` on, into two arrays.
 
     A loop that does nothing else, and words known to be of 32 bits: so several blocks go side by side.
@@ -67,7 +67,7 @@ def pairs(key: np.uint64, counter: npt.NDArray[np.uint32], row: int, block: int,
 
 
 @part
-def lay_out(first: Floats, second: Floats, out: Floats) -> None:
+def lay_out(first: Array, second: Array, out: Array) -> None:
     """Lay pairs of draws side by side into `out` (k,); of an odd number the last has one draw."""
     for b in range(out.shape[0] // 2):
         out[2 * b] = first[b]
@@ -77,9 +77,7 @@ def lay_out(first: Floats, second: Floats, out: Floats) -> None:
 
 
 @kernel
-def fill_uniform(
-    keys: npt.NDArray[np.uint64], counter: npt.NDArray[np.uint32], block: int, out: npt.NDArray[np.float64]
-) -> None:
+def fill_uniform(keys: npt.NDArray[np.uint64], counter: npt.NDArray[np.uint32], block: int, out: Array) -> None:
     """Uniform draws in (0, 1) into `out` (N, k): row i from key i and its counter (replica, episode, tick)."""
     first = np.empty((out.shape[1] + 1) // 2)
     second = np.empty((out.shape[1] + 1) // 2)
@@ -89,9 +87,7 @@ def fill_uniform(
 
 
 @kernel
-def fill_normal(
-    keys: npt.NDArray[np.uint64], counter: npt.NDArray[np.uint32], block: int, out: npt.NDArray[np.float64]
-) -> None:
+def fill_normal(keys: npt.NDArray[np.uint64], counter: npt.NDArray[np.uint32], block: int, out: Array) -> None:
     """Standard normal draws into `out` (N, k), two from each block."""
     first = np.empty((out.shape[1] + 1) // 2)
     second = np.empty((out.shape[1] + 1) // 2)

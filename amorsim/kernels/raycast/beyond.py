@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Ints, Ints32
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.grid.grid import Grid, is_occupied
 from amorsim.kernels.grid.segments import RINGS, SAFETY, SegmentIndex, walls_about
@@ -19,8 +20,6 @@ from amorsim.kernels.raycast.rays import cell_of, direction, march, to_frame
 
 __all__ = ["cast_beyond"]
 
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 _REACH = 10.0  # [m] of the search for boxes; those farther away end few beams that nearer ones do not
 _NEARBY = 1.0  # [m] added to that search around one place, to serve the places near it
@@ -30,16 +29,16 @@ _AT_ONCE = 32  # boxes that are tested together
 class _Room(NamedTuple):
     """Arrays to work in, for M walls and k beams: those of `walls_about`, then what is known of boxes and beams."""
 
-    found: Integers  # (M,)
-    about: Floats  # (6, M)
-    away: Floats  # (M,) how far [m] each box is at least, the nearest first
-    candidates: Integers  # (M,)
-    rings: Integers  # (RINGS + 2,)
-    boxes: Floats  # (4, M + _AT_ONCE) x and y where boxes begin, and where they end [m]
-    aside: Floats  # (_AT_ONCE,) above 0 of boxes that no beam meets
-    ahead: Floats  # (2, k) the beams' directions
-    slopes: Floats  # (2, k) one over them
-    left: Floats  # (k,) 1 of beams that may end farther away, or else 0
+    found: Ints  # (M,)
+    about: Array  # (6, M)
+    away: Array  # (M,) how far [m] each box is at least, the nearest first
+    candidates: Ints  # (M,)
+    rings: Ints  # (RINGS + 2,)
+    boxes: Array  # (4, M + _AT_ONCE) x and y where boxes begin, and where they end [m]
+    aside: Array  # (_AT_ONCE,) above 0 of boxes that no beam meets
+    ahead: Array  # (2, k) the beams' directions
+    slopes: Array  # (2, k) one over them
+    left: Array  # (k,) 1 of beams that may end farther away, or else 0
 
 
 @part
@@ -59,7 +58,7 @@ def _boxes_about(lines: SegmentIndex, resolution: float, x: float, y: float, rea
 
 
 @part
-def _aim(cos_h: float, sin_h: float, cos_b: Floats, sin_b: Floats, nearest: Floats, room: _Room) -> float:
+def _aim(cos_h: float, sin_h: float, cos_b: Array, sin_b: Array, nearest: Array, room: _Room) -> float:
     """Write the directions of beams, and which are left; returns the greatest of their `nearest`, -inf if none is."""
     farthest = -math.inf
     for k in range(room.left.shape[0]):
@@ -74,7 +73,7 @@ def _aim(cos_h: float, sin_h: float, cos_b: Floats, sin_b: Floats, nearest: Floa
 
 @part
 def _set_aside(
-    boxes: Floats, first: int, x: float, y: float, cos_h: float, sin_h: float, low: float, high: float, aside: Floats
+    boxes: Array, first: int, x: float, y: float, cos_h: float, sin_h: float, low: float, high: float, aside: Array
 ) -> None:
     """Write above 0 for the boxes from number `first` on that are beside the cone of beams between two sines."""
     right, left = math.sqrt(max(1.0 - low * low, 0.0)), math.sqrt(max(1.0 - high * high, 0.0))
@@ -91,7 +90,7 @@ def _set_aside(
 
 @part
 def _end_beams(
-    x0: float, y0: float, x1: float, y1: float, begin: int, end: int, slopes: Floats, nearest: Floats, left: Floats
+    x0: float, y0: float, x1: float, y1: float, begin: int, end: int, slopes: Array, nearest: Array, left: Array
 ) -> None:
     """Set `left` to 0 of beams begin..end-1 that enter a box nearer than `nearest`; corners count from their origin.
 
@@ -107,7 +106,7 @@ def _end_beams(
 
 
 @part
-def _trimmed(begin: int, end: int, left: Floats) -> tuple[int, int]:
+def _trimmed(begin: int, end: int, left: Array) -> tuple[int, int]:
     """Of the beams from `begin` to `end` - 1, those from the first that is left to the last."""
     while begin < end and left[begin] == 0.0:
         begin += 1
@@ -122,8 +121,8 @@ def _end_near(
     y: float,
     cos_h: float,
     sin_h: float,
-    sin_b: Floats,
-    nearest: Floats,
+    sin_b: Array,
+    nearest: Array,
     farthest: float,
     count: int,
     around: float,
@@ -156,22 +155,22 @@ def cast_beyond(
     rows: int,
     cols: int,
     super_cols: int,
-    supers: NDArray[np.int32],
-    tables: NDArray[np.int32],
+    supers: Ints32,
+    tables: Ints32,
     pages: NDArray[np.uint64],
     free_room: NDArray[np.uint16],
-    boxes: Floats,
-    first: Integers,
-    walls: Floats,
+    boxes: Array,
+    first: Ints,
+    walls: Array,
     origin_x: float,
     origin_y: float,
     yaw: float,
-    poses: Floats,
-    cos_b: Floats,
-    sin_b: Floats,
-    nearest: Floats,
-    range_max: Floats,
-    out: Floats,
+    poses: Array,
+    cos_b: Array,
+    sin_b: Array,
+    nearest: Array,
+    range_max: Array,
+    out: Array,
 ) -> None:
     """Write what `amorsim.kernels.raycast.rays.cast` does, but 0 for beams that are sure to end nearer than `nearest`.
 

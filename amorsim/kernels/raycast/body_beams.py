@@ -8,8 +8,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.collision.body_hash import BodyHash, run_of_bodies, window
 from amorsim.kernels.collision.footprints import Bodies, rounding_slack
 from amorsim.kernels.compile import kernel
@@ -17,24 +17,21 @@ from amorsim.kernels.raycast.meet_body import BEAM_ROWS, DX, DY, FOUND, meet_bod
 
 __all__ = ["cast_beams"]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-
 
 @kernel
 def cast_beams(
     bodies: Bodies,
-    body_pose: Floats,
+    body_pose: Array,
     edge_rows: int,
     table: BodyHash,
     widest: float,
     replica: Ints,
     own: Ints,
-    origins: Floats,
-    cos_b: Floats,
-    sin_b: Floats,
-    range_max: Floats,
-    out: Floats,
+    origins: Array,
+    cos_b: Array,
+    sin_b: Array,
+    range_max: Array,
+    out: Array,
     hit: Ints,
 ) -> None:
     """Lower each range to where its beam meets another body of the same replica, where that is nearer.

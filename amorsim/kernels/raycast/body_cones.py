@@ -11,8 +11,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.collision.body_hash import BodyHash, run_of_bodies, window
 from amorsim.kernels.collision.footprints import Bodies, rounding_slack
 from amorsim.kernels.compile import kernel, part
@@ -20,8 +20,6 @@ from amorsim.kernels.raycast.meet_body import BEAM_ROWS, DX, DY, FOUND, meet_par
 
 __all__ = ["nearest_bodies"]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 _CLOSE = 1e-6  # [m] so near the direction to a corner means nothing
 
@@ -49,7 +47,7 @@ def _extent(axis: float, aside: float, cos_w: float, sin_w: float, reach: float)
 
 
 @part
-def _nearest_way(edges: Floats, first: int, last: int) -> tuple[float, float, float]:
+def _nearest_way(edges: Array, first: int, last: int) -> tuple[float, float, float]:
     """The direction (x, y) and distance [m] of the nearest point of vertices first..last-1 and their edges.
 
     0 from within: then any direction will do.
@@ -74,16 +72,16 @@ def _nearest_way(edges: Floats, first: int, last: int) -> tuple[float, float, fl
 
 @part
 def _least_of_beams(
-    edges: Floats,
+    edges: Array,
     first: int,
     last: int,
     radius: float,
     cone: _Cone,
-    cos_b: Floats,
-    sin_b: Floats,
+    cos_b: Array,
+    sin_b: Array,
     start: int,
     stop: int,
-    beams: Floats,
+    beams: Array,
 ) -> float:
     """The least distance [m] at which beams start..stop-1 meet a part."""
     for b in range(start, stop):
@@ -99,15 +97,15 @@ def _least_of_beams(
 
 @part
 def _least_of_part(
-    edges: Floats,
+    edges: Array,
     first: int,
     last: int,
     radius: float,
     cone: _Cone,
-    cos_b: Floats,
-    sin_b: Floats,
+    cos_b: Array,
+    sin_b: Array,
     reach: float,
-    beams: Floats,
+    beams: Array,
 ) -> float:
     """The least distance [m] at which a cone's beams meet a part; inf if that is more than `reach` [m]."""
     count = cos_b.shape[1]
@@ -132,18 +130,18 @@ def _least_of_part(
 @kernel
 def nearest_bodies(
     bodies: Bodies,
-    body_pose: Floats,
+    body_pose: Array,
     edge_rows: int,
     table: BodyHash,
     widest: float,
     replica: Ints,
     own: Ints,
-    origins: Floats,
+    origins: Array,
     half_angle: float,
-    cos_b: Floats,
-    sin_b: Floats,
-    range_max: Floats,
-    out: Floats,
+    cos_b: Array,
+    sin_b: Array,
+    range_max: Array,
+    out: Array,
 ) -> None:
     """Lower the range of each cone to where the nearest of its beams meets another body of the same replica.
 

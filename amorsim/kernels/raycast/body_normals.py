@@ -5,22 +5,20 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.collision.footprints import Bodies, place_body
 from amorsim.kernels.compile import kernel
 
 __all__ = ["normals_of"]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # What is held of the surface found so far: how far off it is [m], and its normal.
 _FAR, _NX, _NY = range(3)
 
 
 @kernel
-def _enter_polygon(edges: Floats, first: int, last: int, dx: float, dy: float, best: Floats) -> None:
+def _enter_polygon(edges: Array, first: int, last: int, dx: float, dy: float, best: Array) -> None:
     """Note the edge by which a ray from the origin enters a convex polygon, where that is nearer than `best`."""
     enters, leaves, edge = -math.inf, math.inf, -1
     for i in range(first, last):
@@ -39,7 +37,7 @@ def _enter_polygon(edges: Floats, first: int, last: int, dx: float, dy: float, b
 
 
 @kernel
-def _enter_disc(x: float, y: float, radius: float, dx: float, dy: float, best: Floats) -> None:
+def _enter_disc(x: float, y: float, radius: float, dx: float, dy: float, best: Array) -> None:
     """Note where a ray from the origin enters a disc about (x, y), where that is nearer than `best`."""
     away = math.sqrt(x * x + y * y)
     along = dx * x + dy * y
@@ -53,7 +51,7 @@ def _enter_disc(x: float, y: float, radius: float, dx: float, dy: float, best: F
 
 
 @kernel
-def _enter_rounded(edges: Floats, first: int, last: int, radius: float, dx: float, dy: float, best: Floats) -> None:
+def _enter_rounded(edges: Array, first: int, last: int, radius: float, dx: float, dy: float, best: Array) -> None:
     """Note where a ray from the origin enters a convex part rounded by `radius`, where that is nearer than `best`."""
     for i in range(first, last):
         x, y = edges[i, 0], edges[i, 1]
@@ -71,7 +69,7 @@ def _enter_rounded(edges: Floats, first: int, last: int, radius: float, dx: floa
 
 @kernel
 def normals_of(
-    bodies: Bodies, poses: Floats, edge_rows: int, origins: Floats, bearings: Floats, which: Ints, out: Floats
+    bodies: Bodies, poses: Array, edge_rows: int, origins: Array, bearings: Array, which: Ints, out: Array
 ) -> None:
     """Write the directions [rad] of the outward normals where rays enter bodies into `out` (N, k).
 

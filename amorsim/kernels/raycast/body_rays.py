@@ -14,8 +14,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.collision.body_hash import BodyHash, run_of_bodies, window
 from amorsim.kernels.collision.footprints import Bodies, rounding_slack
 from amorsim.kernels.compile import kernel, part
@@ -23,8 +23,6 @@ from amorsim.kernels.raycast.meet_body import BEAM_ROWS, DX, DY, FOUND, meet_bod
 
 __all__ = ["cast_bodies"]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 _SECTORS = 256  # of a turn, by which beams are found
 _PER_TURN = _SECTORS / 4.0  # `_turn` counts quarters
@@ -39,12 +37,12 @@ _X, _Y, _CIRCLE, _AWAY, _RIGHT, _LEFT = range(6)
 class _Room(NamedTuple):
     """Arrays that casting works in."""
 
-    edges: Floats  # (vertices of the largest body, 5)
+    edges: Array  # (vertices of the largest body, 5)
     starts: Ints  # (_SECTORS + 2,)
-    beams: Floats  # (BEAM_ROWS, k)
+    beams: Array  # (BEAM_ROWS, k)
     which: Ints  # (_TOGETHER,)
-    near: Floats  # (6, _TOGETHER)
-    box: Floats  # (4, _WIDE)
+    near: Array  # (6, _TOGETHER)
+    box: Array  # (4, _WIDE)
 
 
 class _Eye(NamedTuple):
@@ -64,7 +62,7 @@ def _turn(cos: float, sin: float) -> float:
 
 
 @part
-def _order(cos_b: Floats, sin_b: Floats, row: int, starts: Ints) -> bool:
+def _order(cos_b: Array, sin_b: Array, row: int, starts: Ints) -> bool:
     """Write the first beam of each sector, sectors counted from the first beam's; return whether beams are in order."""
     c = cos_b[row, 0]
     s = sin_b[row, 0]
@@ -84,14 +82,14 @@ def _order(cos_b: Floats, sin_b: Floats, row: int, starts: Ints) -> bool:
 
 
 @part
-def _lower(found: Floats, limit: float, ranges: Floats) -> None:
+def _lower(found: Array, limit: float, ranges: Array) -> None:
     for b in range(found.shape[0]):
         nearer = (found[b] <= limit) & (found[b] < ranges[b])
         ranges[b] = found[b] if nearer else ranges[b]
 
 
 @part
-def _lower_and_tell(found: Floats, limit: float, body: int, ranges: Floats, hit: Ints) -> None:
+def _lower_and_tell(found: Array, limit: float, body: int, ranges: Array, hit: Ints) -> None:
     for b in range(found.shape[0]):
         if found[b] <= limit:
             # In whatever order bodies come, the same one wins.
@@ -103,7 +101,7 @@ def _lower_and_tell(found: Floats, limit: float, body: int, ranges: Floats, hit:
 
 
 @part
-def _find_beams(count: int, cos_0: float, sin_0: float, near: Floats) -> None:
+def _find_beams(count: int, cos_0: float, sin_0: float, near: Array) -> None:
     """Write how far off bodies are, and between which turns from the direction (cos_0, sin_0) they lie."""
     for c in range(count):
         x = near[_X, c]
@@ -123,15 +121,15 @@ def _find_beams(count: int, cos_0: float, sin_0: float, near: Floats) -> None:
 @part
 def _meet_bodies(
     bodies: Bodies,
-    body_pose: Floats,
+    body_pose: Array,
     which: Ints,
-    near: Floats,
+    near: Array,
     starts: Ints,
     in_order: bool,
     limit: float,
-    edges: Floats,
-    beams: Floats,
-    ranges: Floats,
+    edges: Array,
+    beams: Array,
+    ranges: Array,
     hit: Ints,
 ) -> None:
     """Find where a scan meets the bodies gathered in `which` and `near`."""
@@ -171,7 +169,7 @@ def _meet_bodies(
 
 
 @part
-def _bounds(beams: Floats, ranges: Floats, limit: float, box: Floats) -> None:
+def _bounds(beams: Array, ranges: Array, limit: float, box: Array) -> None:
     """Write the least and the greatest x and y [m] that beams come to from the origin into the first of `box` (4, 8).
 
     Eight beams side by side, and those eight in the end: a single least number would be a chain of comparisons, each of
@@ -199,7 +197,7 @@ def _bounds(beams: Floats, ranges: Floats, limit: float, box: Floats) -> None:
 
 
 @part
-def _widest_of(cos_b: Floats, sin_b: Floats, row: int) -> tuple[float, float]:
+def _widest_of(cos_b: Array, sin_b: Array, row: int) -> tuple[float, float]:
     """Cosine and sine >= 0 of the largest bearing to either side."""
     widest = 0
     for b in range(1, cos_b.shape[1]):
@@ -242,17 +240,17 @@ def _has_company(
 @part
 def _cast_rows(
     bodies: Bodies,
-    body_pose: Floats,
+    body_pose: Array,
     table: BodyHash,
     widest: float,
     replica: Ints,
     own: Ints,
-    origins: Floats,
-    cos_b: Floats,
-    sin_b: Floats,
-    range_max: Floats,
+    origins: Array,
+    cos_b: Array,
+    sin_b: Array,
+    range_max: Array,
     room: _Room,
-    out: Floats,
+    out: Array,
     hit: Ints,
 ) -> None:
     """`cast_bodies`, with room to work in."""
@@ -322,17 +320,17 @@ def _cast_rows(
 @kernel
 def cast_bodies(
     bodies: Bodies,
-    body_pose: Floats,
+    body_pose: Array,
     edge_rows: int,
     table: BodyHash,
     widest: float,
     replica: Ints,
     own: Ints,
-    origins: Floats,
-    cos_b: Floats,
-    sin_b: Floats,
-    range_max: Floats,
-    out: Floats,
+    origins: Array,
+    cos_b: Array,
+    sin_b: Array,
+    range_max: Array,
+    out: Array,
     hit: Ints,
 ) -> None:
     """Lower each range to where its ray meets another body of the same replica, where that is nearer.

@@ -10,15 +10,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.grid.grid import Grid, is_occupied
 from amorsim.kernels.raycast.rays import direction, to_frame
 
 __all__ = ["bresenham_cast", "bresenham_cells"]
-
-Floats = NDArray[np.float64]
 
 
 @kernel
@@ -37,7 +35,7 @@ def _next(
 
 
 @kernel
-def bresenham_cells(col: int, row: int, last_col: int, last_row: int, out: NDArray[np.int64]) -> None:
+def bresenham_cells(col: int, row: int, last_col: int, last_row: int, out: Ints) -> None:
     """Write the cells (column, row) `(n, 2)` of the line between two cells, both included, into `out`.
 
     There are max(columns apart, rows apart) + 1 of them.
@@ -59,11 +57,11 @@ def bresenham_cast(
     origin_x: float,
     origin_y: float,
     yaw: float,
-    poses: Floats,
-    cos_b: Floats,
-    sin_b: Floats,
-    range_max: Floats,
-    out: Floats,
+    poses: Array,
+    cos_b: Array,
+    sin_b: Array,
+    range_max: Array,
+    out: Array,
 ) -> None:
     """Write the distance [m] along every beam to the first occupied cell on the line to the range's end.
 

@@ -10,14 +10,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from amorsim.arrays import Array
 from amorsim.kernels.compile import part
 from amorsim.kernels.raycast.rays import direction
 
 __all__ = ["NEXT", "bearing_of", "enter_box"]
 
-Floats = NDArray[np.float64]
 
 NEXT = 0.05  # [rays] within which things next to a ray count as hit, because bearings are that rough
 
@@ -61,7 +60,7 @@ def _between(
 
 @part
 def enter_box(
-    walls: Floats,
+    walls: Array,
     m: int,
     col: int,
     row: int,
@@ -70,8 +69,8 @@ def enter_box(
     y: float,
     cos_h: float,
     sin_h: float,
-    cos_b: Floats,
-    sin_b: Floats,
+    cos_b: Array,
+    sin_b: Array,
     about: float,
     least: float,
     nearest: int,

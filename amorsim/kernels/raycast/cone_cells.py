@@ -13,15 +13,14 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from amorsim.arrays import Array
 from amorsim.kernels.compile import part
 from amorsim.kernels.grid.grid import NONE, ONE, Grid
 from amorsim.kernels.raycast.rays import cast_ray, cell_of, direction
 
 __all__ = ["SAFETY", "WIDEST", "ask_cells"]
 
-Floats = NDArray[np.float64]
 
 WIDEST = 1.5  # [rad] half a cone's angle; wider ones are cast ray by ray
 SAFETY = 1e-9  # relative, on every bound that leaves something out
@@ -60,8 +59,8 @@ def _least_into(
     cos_h: float,
     sin_h: float,
     half_angle: float,
-    cos_b: Floats,
-    sin_b: Floats,
+    cos_b: Array,
+    sin_b: Array,
     least: float,
 ) -> float:
     """The less of `least` and the distance at which any ray of the cone enters a cell."""
@@ -89,7 +88,7 @@ def _least_into(
 
 
 @part
-def _is_near(x0: float, y0: float, side: float, cos_h: float, sin_h: float, edge: Floats, least: float) -> bool:
+def _is_near(x0: float, y0: float, side: float, cos_h: float, sin_h: float, edge: Array, least: float) -> bool:
     """Whether a square, its lower left corner at (x0, y0) from the cone's point, may hold something nearer in the cone.
 
     `edge` holds cosine and sine of half the cone's angle.
@@ -116,9 +115,9 @@ def _nearest(
     cos_h: float,
     sin_h: float,
     half_angle: float,
-    edge: Floats,
-    cos_b: Floats,
-    sin_b: Floats,
+    edge: Array,
+    cos_b: Array,
+    sin_b: Array,
     least: float,
 ) -> float:
     """The less of `least` and the distance to anything else in the cone, page by page, word by word, cell by cell."""
@@ -204,9 +203,9 @@ def ask_cells(
     cos_h: float,
     sin_h: float,
     half_angle: float,
-    edge: Floats,
-    cos_b: Floats,
-    sin_b: Floats,
+    edge: Array,
+    cos_b: Array,
+    sin_b: Array,
     range_max: float,
 ) -> float:
     """The least over all rays by a few of them, and then by cells; by all rays where cones are wide."""

@@ -11,8 +11,8 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.compile import part
 from amorsim.kernels.grid.grid import ONE, Grid, word_at
 from amorsim.kernels.grid.segments import INSIDE, PASSED, SegmentIndex, side_of
@@ -22,8 +22,6 @@ from amorsim.kernels.raycast.rays import direction, march, rounding
 
 __all__ = ["AT_ONCE", "ROOM", "Cone", "Eye", "WallRoom", "hear_walls"]
 
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 AT_ONCE = 32  # walls that are tested together
 # The offsets of the results in one array, first for sides, then for ends: squared distances, and the nearest places
@@ -41,9 +39,9 @@ class Cone(NamedTuple):
     """A cone of rays, evenly spread from -half_angle to half_angle."""
 
     half_angle: float
-    edge: Floats  # cosine and sine of half_angle
-    cos_b: Floats  # (1, k) cosines and sines of the rays' bearings
-    sin_b: Floats
+    edge: Array  # cosine and sine of half_angle
+    cos_b: Array  # (1, k) cosines and sines of the rays' bearings
+    sin_b: Array
 
 
 class Eye(NamedTuple):
@@ -60,18 +58,18 @@ class Eye(NamedTuple):
 class WallRoom(NamedTuple):
     """The walls about a place, as `walls_about` writes them for M walls, and arrays to work in."""
 
-    found: Integers  # (M,)
-    about: Floats  # (6, M + AT_ONCE)
-    away: Floats  # (M,)
-    candidates: Integers  # (M,)
-    rings: Integers  # (RINGS + 2,)
-    f: Floats  # (ROOM,)
-    bits: Integers  # the same memory
+    found: Ints  # (M,)
+    about: Array  # (6, M + AT_ONCE)
+    away: Array  # (M,)
+    candidates: Ints  # (M,)
+    rings: Ints  # (RINGS + 2,)
+    f: Array  # (ROOM,)
+    bits: Ints  # the same memory
 
 
 @part
 def _bound(
-    about: Floats,
+    about: Array,
     first: int,
     count: int,
     x: float,
@@ -80,7 +78,7 @@ def _bound(
     right_y: float,
     left_x: float,
     left_y: float,
-    f: Floats,
+    f: Array,
 ) -> None:
     """Write how near `count` walls from number `first` on come within a cone, their sides and their ends by themselves.
 
@@ -149,7 +147,7 @@ def _bound(
 
 
 @part
-def _next(bits: Integers, before: Any) -> Any:
+def _next(bits: Ints, before: Any) -> Any:
     """The key of the nearest side or end in `f` after that of key `before`.
 
     The bits of numbers that are not negative are in the order of the numbers. The last of a square's make room for
@@ -163,7 +161,7 @@ def _next(bits: Integers, before: Any) -> Any:
 
 
 @part
-def _touches(walls: Floats, m: int, resolution: float, x: float, y: float) -> bool:
+def _touches(walls: Array, m: int, resolution: float, x: float, y: float) -> bool:
     """Whether a point is so near a box that roundings of places count for the bearings of its corners."""
     col = x / resolution
     row = y / resolution
@@ -242,7 +240,7 @@ def _rays_between(
 
 @part
 def _cast_about(
-    grid: Grid, walls: Floats, m: int, eye: Eye, cone: Cone, range_max: float, least: float, nearest: int, casts: bool
+    grid: Grid, walls: Array, m: int, eye: Eye, cone: Cone, range_max: float, least: float, nearest: int, casts: bool
 ) -> tuple[float, int]:
     """The less of `least` and the distance along the rays that wall `m` bounds nearer, and the number of its ray.
 

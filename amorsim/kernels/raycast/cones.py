@@ -12,6 +12,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Ints, Ints32
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.grid.grid import Grid, is_occupied
 from amorsim.kernels.grid.segments import RINGS, SegmentIndex, walls_about
@@ -21,8 +22,6 @@ from amorsim.kernels.raycast.rays import cast_ray, cell_of, direction, to_frame
 
 __all__ = ["cast_cones"]
 
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 _FEW = 8  # rays of a cone up to which all are cast
 _CLOSE = 1e-4  # [rad] from one ray to the next, below which all are cast: bearings of walls are too rough then
@@ -32,7 +31,7 @@ _FINE = 400  # cells in the range; from here on, looking up walls is always fast
 
 @part
 def _cast_all(
-    grid: Grid, x: float, y: float, cos_h: float, sin_h: float, cos_b: Floats, sin_b: Floats, range_max: float
+    grid: Grid, x: float, y: float, cos_h: float, sin_h: float, cos_b: Array, sin_b: Array, range_max: float
 ) -> tuple[float, int]:
     """The least distance of all rays, each cast, and the first ray that has it."""
     least, nearest, limit = np.inf, 0, range_max
@@ -51,12 +50,12 @@ def _hear(
     origin_x: float,
     origin_y: float,
     yaw: float,
-    poses: Floats,
+    poses: Array,
     cone: Cone,
-    range_max: Floats,
+    range_max: Array,
     room: WallRoom,
-    out: Floats,
-    ray: Integers,
+    out: Array,
+    ray: Ints,
 ) -> None:
     """`cast_cones`, with room to work in."""
     half_angle, edge, cos_b, sin_b = cone
@@ -112,23 +111,23 @@ def cast_cones(
     rows: int,
     cols: int,
     super_cols: int,
-    supers: NDArray[np.int32],
-    tables: NDArray[np.int32],
+    supers: Ints32,
+    tables: Ints32,
     pages: NDArray[np.uint64],
     free_room: NDArray[np.uint16],
-    boxes: Floats,
-    first: Integers,
-    segments: Floats,
+    boxes: Array,
+    first: Ints,
+    segments: Array,
     origin_x: float,
     origin_y: float,
     yaw: float,
-    poses: Floats,
+    poses: Array,
     half_angle: float,
-    cos_b: Floats,
-    sin_b: Floats,
-    range_max: Floats,
-    out: Floats,
-    ray: Integers,
+    cos_b: Array,
+    sin_b: Array,
+    range_max: Array,
+    out: Array,
+    ray: Ints,
 ) -> None:
     """Write the least distance [m] over the rays of each cone (N,), to the bit what `rays.cast` and a minimum give.
 

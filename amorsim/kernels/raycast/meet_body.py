@@ -8,15 +8,12 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from amorsim.arrays import Array
 from amorsim.kernels.collision.footprints import Bodies, place_body
 from amorsim.kernels.compile import part
 
 __all__ = ["BEAM_ROWS", "DX", "DY", "FOUND", "meet_body", "meet_part", "place_to_meet"]
 
-Floats = NDArray[np.float64]
 
 # Rows of what is held of a scan's beams: which way they go, where they meet a body [m], and where they enter and leave
 # a polygon.
@@ -25,7 +22,7 @@ BEAM_ROWS = 5
 
 
 @part
-def _meet_disc(x: float, y: float, radius: float, dx: Floats, dy: Floats, found: Floats) -> None:
+def _meet_disc(x: float, y: float, radius: float, dx: Array, dy: Array, found: Array) -> None:
     """Lower `found` to where rays from the origin enter a disc [m]; 0 from inside."""
     away = math.sqrt(x * x + y * y)
     if away <= radius:
@@ -45,7 +42,7 @@ def _meet_disc(x: float, y: float, radius: float, dx: Floats, dy: Floats, found:
 
 @part
 def _meet_polygon(
-    edges: Floats, first: int, last: int, dx: Floats, dy: Floats, enters: Floats, leaves: Floats, found: Floats
+    edges: Array, first: int, last: int, dx: Array, dy: Array, enters: Array, leaves: Array, found: Array
 ) -> None:
     """Lower `found` to where rays from the origin enter a convex polygon [m]; 0 from inside.
 
@@ -70,7 +67,7 @@ def _meet_polygon(
 
 
 @part
-def _meet_rounded(edges: Floats, first: int, last: int, radius: float, dx: Floats, dy: Floats, found: Floats) -> None:
+def _meet_rounded(edges: Array, first: int, last: int, radius: float, dx: Array, dy: Array, found: Array) -> None:
     """Lower `found` to where rays from the origin enter a convex part rounded by `radius` [m]; 0 from inside."""
     inside = last - first > 2
     for i in range(first, last):
@@ -101,7 +98,7 @@ def _meet_rounded(edges: Floats, first: int, last: int, radius: float, dx: Float
 
 
 @part
-def meet_part(edges: Floats, first: int, last: int, radius: float, beams: Floats, start: int, stop: int) -> None:
+def meet_part(edges: Array, first: int, last: int, radius: float, beams: Array, start: int, stop: int) -> None:
     """Lower the ranges of beams start..stop-1 to where they meet a convex part, rounded by `radius` [m], of a body.
 
     Vertices first..last-1 of the body are the part's; `edges` as `place_body` writes them.
@@ -118,7 +115,7 @@ def meet_part(edges: Floats, first: int, last: int, radius: float, beams: Floats
 
 
 @part
-def place_to_meet(bodies: Bodies, body: int, pose: Floats, x: float, y: float, edges: Floats) -> None:
+def place_to_meet(bodies: Bodies, body: int, pose: Array, x: float, y: float, edges: Array) -> None:
     """Write the `edges` of a body at (x, y) [m], as `place_body` does; a disc about its base is turned by nothing."""
     first, last = bodies.part_first[body], bodies.part_first[body + 1]
     base = bodies.vertex_first[first]
@@ -131,7 +128,7 @@ def place_to_meet(bodies: Bodies, body: int, pose: Floats, x: float, y: float, e
 
 @part
 def meet_body(
-    bodies: Bodies, body: int, pose: Floats, x: float, y: float, edges: Floats, beams: Floats, start: int, stop: int
+    bodies: Bodies, body: int, pose: Array, x: float, y: float, edges: Array, beams: Array, start: int, stop: int
 ) -> None:
     """Write where beams start..stop-1 from the origin meet a body at (x, y) [m]; inf if they miss."""
     for b in range(start, stop):

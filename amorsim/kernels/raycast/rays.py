@@ -18,8 +18,8 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Bools
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.grid.grid import ONE, Grid, is_occupied, word_mask
 
@@ -271,11 +271,11 @@ def cast(
     origin_x: float,
     origin_y: float,
     yaw: float,
-    poses: NDArray[np.float64],
-    cos_b: NDArray[np.float64],
-    sin_b: NDArray[np.float64],
-    range_max: NDArray[np.float64],
-    out: NDArray[np.float64],
+    poses: Array,
+    cos_b: Array,
+    sin_b: Array,
+    range_max: Array,
+    out: Array,
 ) -> None:
     """Write the distance [m] along every beam of every pose to where it enters the first occupied cell.
 
@@ -329,8 +329,8 @@ def occupied_points(
     origin_x: float,
     origin_y: float,
     yaw: float,
-    points: NDArray[np.float64],
-    out: NDArray[np.bool_],
+    points: Array,
+    out: Bools,
 ) -> None:
     """Write whether each point (N, 2) [m] of the world is in an occupied cell; nan and outside are."""
     cos_yaw = math.cos(yaw)

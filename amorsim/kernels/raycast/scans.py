@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Ints, Ints32
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.grid.grid import Grid, is_occupied
 from amorsim.kernels.grid.segments import RINGS, SAFETY, SegmentIndex, SortedBeams, bound_scan, bucket_of
@@ -23,8 +24,6 @@ from amorsim.kernels.raycast.rays import cell_of, direction, march, rounding, to
 
 __all__ = ["cast_scans", "sort_beams", "sorted_beams", "unsorted_beams"]
 
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 _FEW = 12  # beams of a scan, or rows of a table, below which preparing them costs more than it saves
 FINE, COARSE = 256.0, 64.0  # sectors in a quarter turn, of a table for many rows and of one for few
@@ -49,16 +48,16 @@ _BEYOND_WORD = ~0x0707
 class _Room(NamedTuple):
     """Arrays that a scan works in."""
 
-    blocks: Integers  # as long as the lines have blocks, like `away`
-    away: Floats
-    rings: Integers
-    nearness: Floats  # one for each beam, filled up to whole lanes
-    f: Floats
-    q: Integers
+    blocks: Ints  # as long as the lines have blocks, like `away`
+    away: Array
+    rings: Ints
+    nearness: Array  # one for each beam, filled up to whole lanes
+    f: Array
+    q: Ints
 
 
 @part
-def _sort_beams(cos_b: Floats, sin_b: Floats, into: SortedBeams) -> None:
+def _sort_beams(cos_b: Array, sin_b: Array, into: SortedBeams) -> None:
     """Write beams (k,) in the order of their sectors, and at which of them each sector starts."""
     order, cos_s, sin_s, starts, scale = into
     for s in range(starts.shape[0]):
@@ -89,11 +88,11 @@ def _aim(
     sin_h: float,
     first: int,
     beams: SortedBeams,
-    nearness: Floats,
+    nearness: Array,
     beyond: float,
     slack: float,
-    f: Floats,
-    q: Integers,
+    f: Array,
+    q: Ints,
 ) -> None:
     """Write direction, cell and next crossings of the beams from number `first` on, one cell beyond the free ones.
 
@@ -147,7 +146,7 @@ def _aim(
 
 
 @part
-def _fetch(grid: Grid, f: Floats, q: Integers) -> None:
+def _fetch(grid: Grid, f: Array, q: Ints) -> None:
     """Write the words that the beams are in, and their places in them; where all is free the word is 0."""
     for i in range(LANES):
         col = int(f[i + _COL])
@@ -167,7 +166,7 @@ def _fetch(grid: Grid, f: Floats, q: Integers) -> None:
 
 
 @part
-def _walk(slack: float, f: Floats, q: Integers) -> None:
+def _walk(slack: float, f: Array, q: Ints) -> None:
     """Go from cell to cell until one is occupied, the next is in another word, or the next one is in doubt.
 
     Conditions are whole numbers 0 and 1, and their negatives masks: what the compiler makes several beams wide.
@@ -214,9 +213,9 @@ def _measure(
     beyond: float,
     first: int,
     count: int,
-    nearness: Floats,
-    f: Floats,
-    q: Integers,
+    nearness: Array,
+    f: Array,
+    q: Ints,
 ) -> bool:
     """Write the distances of the beams that entered an occupied cell, by the lines that they crossed into it.
 
@@ -254,7 +253,7 @@ def _cast_scan(
     reach: float,
     beams: SortedBeams,
     room: _Room,
-    out: Floats,
+    out: Array,
 ) -> None:
     """Write the distances (k,) of a scan from a pose in the map's frame."""
     resolution = grid.resolution
@@ -305,7 +304,7 @@ def _cast_scan(
 
 
 @kernel
-def sort_beams(cos_b: Floats, sin_b: Floats, order: Integers, cos_s: Floats, sin_s: Floats, starts: Integers) -> None:
+def sort_beams(cos_b: Array, sin_b: Array, order: Ints, cos_s: Array, sin_s: Array, starts: Ints) -> None:
     """Sort the beams of scans for `cast_scans`; the scans may be taken from many places.
 
     Parameters
@@ -324,14 +323,14 @@ def sort_beams(cos_b: Floats, sin_b: Floats, order: Integers, cos_s: Floats, sin
         _sort_beams(cos_b[b], sin_b[b], beams)
 
 
-def sorted_beams(cos_b: Floats, sin_b: Floats, poses: int) -> tuple[Integers, Floats, Floats, Integers]:
+def sorted_beams(cos_b: Array, sin_b: Array, poses: int) -> tuple[Ints, Array, Array, Ints]:
     """The beams (B, k) of scans as `cast_scans` takes them, for so many poses; see `sort_beams`."""
     beams = unsorted_beams(poses, *cos_b.shape)
     sort_beams(cos_b, sin_b, *beams)
     return beams
 
 
-def unsorted_beams(poses: int, scans: int, count: int) -> tuple[Integers, Floats, Floats, Integers]:
+def unsorted_beams(poses: int, scans: int, count: int) -> tuple[Ints, Array, Array, Ints]:
     """Arrays for `sort_beams`, of so many `scans` of `count` beams that are cast from so many `poses`."""
     scale = FINE if scans == 1 and poses >= _FEW else COARSE
     lanes = (count + LANES - 1) // LANES * LANES
@@ -345,23 +344,23 @@ def cast_scans(
     rows: int,
     cols: int,
     super_cols: int,
-    supers: NDArray[np.int32],
-    tables: NDArray[np.int32],
+    supers: Ints32,
+    tables: Ints32,
     pages: NDArray[np.uint64],
     free_room: NDArray[np.uint16],
-    boxes: Floats,
-    first: Integers,
-    walls: Floats,
+    boxes: Array,
+    first: Ints,
+    walls: Array,
     origin_x: float,
     origin_y: float,
     yaw: float,
-    poses: Floats,
-    order: Integers,
-    cos_s: Floats,
-    sin_s: Floats,
-    starts: Integers,
-    range_max: Floats,
-    out: Floats,
+    poses: Array,
+    order: Ints,
+    cos_s: Array,
+    sin_s: Array,
+    starts: Ints,
+    range_max: Array,
+    out: Array,
 ) -> None:
     """Write the distance [m] along every beam of every pose to where it enters the first occupied cell.
 

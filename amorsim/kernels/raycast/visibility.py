@@ -4,17 +4,12 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.kinematics.poses import wrap
 from amorsim.kernels.sorting import sort
 
 __all__ = ["lines_to_marks", "look_at_discs", "marks_near", "take_marks"]
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 @part
@@ -25,17 +20,17 @@ def _bearing(dx: float, dy: float, heading: float) -> float:
 
 @kernel
 def marks_near(
-    poses: Floats,
-    range_max: Floats,
-    half_angle: Floats,
+    poses: Array,
+    range_max: Array,
+    half_angle: Array,
     replica: Ints,
     own: Ints,
-    places: Floats,
+    places: Array,
     carrier: Ints,
     first: Ints,
     mark: Ints,
-    distance: Floats,
-    bearing: Floats,
+    distance: Array,
+    bearing: Array,
 ) -> int:
     """The number of pairs of a row and a mark within its reach.
 
@@ -89,21 +84,21 @@ def marks_near(
 
 @kernel
 def lines_to_marks(
-    poses: Floats,
+    poses: Array,
     replica: Ints,
     own: Ints,
-    places: Floats,
-    radius: Floats,
+    places: Array,
+    radius: Array,
     first: Ints,
     mark: Ints,
-    distance: Floats,
+    distance: Array,
     done: int,
     most: int,
     room: Ints,
     pair: Ints,
     looker: Ints,
-    lines: Floats,
-    need: Floats,
+    lines: Array,
+    need: Array,
 ) -> int:
     """The lines of sight that are to be tested next, of the nearest marks not yet tested; returns their number.
 
@@ -147,18 +142,18 @@ def lines_to_marks(
 def take_marks(
     first: Ints,
     mark: Ints,
-    distance: Floats,
-    bearing: Floats,
+    distance: Array,
+    bearing: Array,
     replica: Ints,
     carrier: Ints,
     ids: Ints,
     pair: Ints,
-    need: Floats,
-    free: Floats,
+    need: Array,
+    free: Array,
     met: Ints,
     room: Ints,
-    range_out: Floats,
-    bearing_out: Floats,
+    range_out: Array,
+    bearing_out: Array,
     id_out: Ints,
 ) -> None:
     """Put marks whose lines of sight are free into the slots that are left.
@@ -193,14 +188,14 @@ def take_marks(
 
 @kernel
 def look_at_discs(
-    poses: Floats,
-    cos_b: Floats,
-    sin_b: Floats,
-    range_max: Floats,
-    places: Floats,
-    radius: Floats,
+    poses: Array,
+    cos_b: Array,
+    sin_b: Array,
+    range_max: Array,
+    places: Array,
+    radius: Array,
     first: int,
-    ranges: Floats,
+    ranges: Array,
     things: Ints,
 ) -> None:
     """Lower the ranges of rays to the discs that they meet sooner, and write which.

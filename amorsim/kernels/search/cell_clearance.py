@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from amorsim.arrays import Ints32
 from amorsim.kernels.compile import kernel
 
 __all__ = ["squared_gaps"]
 
 
 @kernel
-def squared_gaps(free: NDArray[np.uint8], most: int, gaps: NDArray[np.int32], out: NDArray[np.int32]) -> None:
+def squared_gaps(free: NDArray[np.uint8], most: int, gaps: Ints32, out: Ints32) -> None:
     """Squared gap [cells^2] between each cell and the nearest that is not free, (rows, cols), up to ``most**2``.
 
     The gap between two cells is the distance of their nearest points: 0 if they share a side or a corner. A blocked

@@ -13,14 +13,11 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-import numpy.typing as npt
-
+from amorsim.arrays import Array
 from amorsim.kernels.compile import kernel, part
 
 __all__ = ["MOST_WORDS", "dubins_words", "moved", "reeds_shepp_words", "trace_word", "word_length"]
 
-Floats = npt.NDArray[np.float64]
 
 MOST_WORDS = 48
 """No goal has more words than this."""
@@ -46,7 +43,7 @@ def _wrapped(angle: float) -> float:
 
 
 @part
-def word_length(word: Floats) -> float:
+def word_length(word: Array) -> float:
     """The length of a word, in radii."""
     total = 0.0
     for i in range(word.shape[0]):
@@ -55,7 +52,7 @@ def word_length(word: Floats) -> float:
 
 
 @part
-def _write3(words: Floats, at: int, bends: tuple[float, float, float], t: float, p: float, q: float) -> int:
+def _write3(words: Array, at: int, bends: tuple[float, float, float], t: float, p: float, q: float) -> int:
     """Write a word of three pieces of lengths t, p and q [radii]; returns how many words there are then."""
     words[at] = 0.0
     words[at, 0, 0], words[at, 1, 0], words[at, 2, 0] = bends
@@ -64,7 +61,7 @@ def _write3(words: Floats, at: int, bends: tuple[float, float, float], t: float,
 
 
 @kernel
-def dubins_words(x: float, y: float, phi: float, words: Floats) -> int:
+def dubins_words(x: float, y: float, phi: float, words: Array) -> int:
     """Write the words of Dubins, (n, 5, 2), that lead forwards to a goal; returns how many, at most 6."""
     d = math.sqrt(x * x + y * y)
     theta = math.atan2(y, x)
@@ -109,7 +106,7 @@ def dubins_words(x: float, y: float, phi: float, words: Floats) -> int:
 
 @part
 def _put(
-    words: Floats, at: int, bends: tuple[float, float, float, float, float], way: int, lengths: tuple[float, ...]
+    words: Array, at: int, bends: tuple[float, float, float, float, float], way: int, lengths: tuple[float, ...]
 ) -> int:
     """Write a word; `way` tells whether its directions (1), its sides (2) or both (3) are exchanged."""
     side = -1.0 if way >= 2 else 1.0
@@ -134,7 +131,7 @@ def _tau_omega(u: float, v: float, xi: float, eta: float, phi: float) -> tuple[f
 
 
 @part
-def _forward_words(x: float, y: float, phi: float, way: int, words: Floats, n: int) -> int:
+def _forward_words(x: float, y: float, phi: float, way: int, words: Array, n: int) -> int:
     """The words whose pieces come in the order of the formulas; returns how many words there are then."""
     sin, cos = math.sin(phi), math.cos(phi)
     # Centres of the goal's circle on the start's side, and on the other, from that of the start's.
@@ -199,7 +196,7 @@ def _forward_words(x: float, y: float, phi: float, way: int, words: Floats, n: i
 
 
 @part
-def _backward_words(x: float, y: float, phi: float, way: int, words: Floats, n: int) -> int:
+def _backward_words(x: float, y: float, phi: float, way: int, words: Array, n: int) -> int:
     """The words whose pieces come in the reverse order, from the goal to the start."""
     sin, cos = math.sin(phi), math.cos(phi)
     xb, yb = x * cos + y * sin, x * sin - y * cos
@@ -228,7 +225,7 @@ def _backward_words(x: float, y: float, phi: float, way: int, words: Floats, n: 
 
 
 @kernel
-def reeds_shepp_words(x: float, y: float, phi: float, words: Floats) -> int:
+def reeds_shepp_words(x: float, y: float, phi: float, words: Array) -> int:
     """Write words of Reeds and Shepp that lead to a goal, (n, 5, 2), the shortest among them; returns how many."""
     n = 0
     phi = _wrapped(phi)
@@ -250,7 +247,7 @@ def moved(x: float, y: float, heading: float, ahead: float, turn: float) -> tupl
 
 
 @kernel
-def trace_word(x: float, y: float, heading: float, word: Floats, radius: float, spacing: float, out: Floats) -> int:
+def trace_word(x: float, y: float, heading: float, word: Array, radius: float, spacing: float, out: Array) -> int:
     """Write poses along a word, at most `spacing` [m] apart, (M, 3), with the ends of its pieces; returns how many.
 
     The first is the start (x, y, heading). Writes as many as there is room for.

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Ints, Ints32
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.search.octile import DIAGONAL, GOING_ON, NONE_LEFT
 
@@ -22,11 +23,11 @@ class Wave(NamedTuple):
     """
 
     free: NDArray[np.uint8]  # (n,) 1 where a path may lead
-    to_go: NDArray[np.float64]  # (n,) [cells] to the goal, inf where the wave has not come
-    waits: NDArray[np.int32]  # (n,) the whole part of `to_go`, -1 where the wave has not come
-    lists: NDArray[np.int32]  # (3, n) the cells that wait, by their whole part modulo 3
-    order: NDArray[np.int32]  # (n,) the cells passed, in order
-    used: NDArray[np.int64]  # (5,) entries in use of each list, the present whole part, entries of `order`
+    to_go: Array  # (n,) [cells] to the goal, inf where the wave has not come
+    waits: Ints32  # (n,) the whole part of `to_go`, -1 where the wave has not come
+    lists: Ints32  # (3, n) the cells that wait, by their whole part modulo 3
+    order: Ints32  # (n,) the cells passed, in order
+    used: Ints  # (5,) entries in use of each list, the present whole part, entries of `order`
 
 
 def new_wave(free: NDArray[np.uint8], goal: int) -> Wave:
@@ -104,7 +105,7 @@ def spread(wave: Wave, width: int, most: int) -> int:
 
 
 @kernel
-def descend(free: NDArray[np.uint8], to_go: NDArray[np.float64], width: int, start: int, out: NDArray[np.int32]) -> int:
+def descend(free: NDArray[np.uint8], to_go: Array, width: int, start: int, out: Ints32) -> int:
     """Write the cells of the path from a start that a whole wave has reached to its goal; returns how many."""
     out[0] = start
     count = 1

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Ints, Ints32
 from amorsim.kernels.compile import part
 
 __all__ = ["DONE", "Search", "new_search", "offer", "take"]
@@ -23,13 +24,13 @@ class Search(NamedTuple):
     """The state of a search on n cells."""
 
     free: NDArray[np.uint8]  # (n,) 1 where a path may lead
-    cost: NDArray[np.float64]  # (n,) [cells] from the start, of the cells that were reached
-    parent: NDArray[np.int32]  # (n,) the cell that each reached cell is reached from
-    place: NDArray[np.int32]  # (n,) 0 for a cell not reached, DONE for one expanded, else 1 + its index in the heap
-    heap: NDArray[np.int32]  # (n,) the cells of the frontier
-    key: NDArray[np.float64]  # (n,) of each entry of the heap: cost, and the estimate of what is left
-    order: NDArray[np.int32]  # (n,) the cells expanded, in order
-    used: NDArray[np.int64]  # (2,) how many entries of `heap` and of `order` are in use
+    cost: Array  # (n,) [cells] from the start, of the cells that were reached
+    parent: Ints32  # (n,) the cell that each reached cell is reached from
+    place: Ints32  # (n,) 0 for a cell not reached, DONE for one expanded, else 1 + its index in the heap
+    heap: Ints32  # (n,) the cells of the frontier
+    key: Array  # (n,) of each entry of the heap: cost, and the estimate of what is left
+    order: Ints32  # (n,) the cells expanded, in order
+    used: Ints  # (2,) how many entries of `heap` and of `order` are in use
 
 
 def new_search(free: NDArray[np.uint8], start: int) -> Search:

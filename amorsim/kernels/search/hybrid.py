@@ -13,14 +13,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.search.curves import reeds_shepp_words
 from amorsim.kernels.search.moves import Drive, Room, go, price
 
 __all__ = ["FOUND", "GOING_ON", "MOVES", "Course", "Forest", "expand_poses"]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
+Ints32 = NDArray[np.int32]
 
 GOING_ON, FOUND, NONE_LEFT, FULL = 0, 1, 2, 3
 MOVES = 10
@@ -32,31 +32,31 @@ LEADS = 7
 class Course(NamedTuple):
     """Where the goal is, and how far it is at least."""
 
-    goal: Floats  # (3,)
-    to_go: Floats  # (n,) [m] of the cells of a field, along eight directions; empty if there is none
+    goal: Array  # (3,)
+    to_go: Array  # (n,) [m] of the cells of a field, along eight directions; empty if there is none
     width: int
     side: float  # [m]
     cell: float  # [m] of the lattice
     headings: int
     hitch_cell: float  # [rad]
-    words: Floats  # scratch (48, 5, 2)
-    order: Floats  # scratch (48,)
+    words: Array  # scratch (48, 5, 2)
+    order: Array  # scratch (48,)
 
 
 class Forest(NamedTuple):
     """The poses reached, the lattice that holds the best of each of its cells, and the queue."""
 
-    pose: Floats  # (n, 4) x, y [m], heading, hitch [rad]
-    cost: Floats  # (n,)
-    parent: Ints  # (n,)
-    move: Floats  # (n, 2) the bend and the length [m] of the move that led there
-    key: Floats  # (n,) of the queue
-    heap: Ints  # (n,) its poses
-    slots: Ints  # (m,) hash table of poses + 1 by their cell of the lattice; m is a power of two
-    names: NDArray[np.int64]  # (m,) the cells
-    order: Ints  # (n,) the poses expanded
-    last: Floats  # (6, 2) the moves from the last pose to the goal
-    used: NDArray[np.int64]  # (4,) poses, entries of the queue, poses expanded, the last pose before `last`
+    pose: Array  # (n, 4) x, y [m], heading, hitch [rad]
+    cost: Array  # (n,)
+    parent: Ints32  # (n,)
+    move: Array  # (n, 2) the bend and the length [m] of the move that led there
+    key: Array  # (n,) of the queue
+    heap: Ints32  # (n,) its poses
+    slots: Ints32  # (m,) hash table of poses + 1 by their cell of the lattice; m is a power of two
+    names: Ints  # (m,) the cells
+    order: Ints32  # (n,) the poses expanded
+    last: Array  # (6, 2) the moves from the last pose to the goal
+    used: Ints  # (4,) poses, entries of the queue, poses expanded, the last pose before `last`
 
 
 @part

@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
+from amorsim.arrays import Array
 from amorsim.kernels.collision.clearance import map_gap
 from amorsim.kernels.collision.footprints import Bodies
 from amorsim.kernels.compile import kernel, part
@@ -16,8 +14,6 @@ from amorsim.kernels.kinematics.trailer import hitch_after
 from amorsim.kernels.search.curves import moved
 
 __all__ = ["Drive", "Room", "go", "is_clear", "price", "price_of", "trailer_along"]
-
-Floats = NDArray[np.float64]
 
 
 class Room(NamedTuple):
@@ -30,9 +26,9 @@ class Room(NamedTuple):
     bodies: Bodies
     clearance: float  # [m]
     spacing: float  # [m] of the poses that are tested
-    edges: Floats  # scratch, as in `map_gap`
-    nearest: Floats  # scratch (3,)
-    pose: Floats  # scratch (3,)
+    edges: Array  # scratch, as in `map_gap`
+    nearest: Array  # scratch (3,)
+    pose: Array  # scratch (3,)
 
 
 class Drive(NamedTuple):
@@ -140,7 +136,7 @@ def price(drive: Drive, bend: float, length: float, before: float) -> float:
 
 
 @kernel
-def price_of(drive: Drive, moves: Floats) -> float:
+def price_of(drive: Drive, moves: Array) -> float:
     """The cost of successive moves (k, 2), bend and length [m]."""
     total = 0.0
     before = 0.0
@@ -152,7 +148,7 @@ def price_of(drive: Drive, moves: Floats) -> float:
 
 
 @kernel
-def trailer_along(poses: Floats, length: float, offset: float, limit: float, out: Floats) -> None:
+def trailer_along(poses: Array, length: float, offset: float, limit: float, out: Array) -> None:
     """Write the poses (M, 3) of a trailer's axle along those of its tractor, which lie on arcs; straight at first."""
     hitch = 0.0
     for i in range(poses.shape[0]):

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Ints, Ints32
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.search.octile import DIAGONAL, FOUND, GOING_ON, NONE_LEFT, octile_distance
 
@@ -25,14 +26,14 @@ class Replan(NamedTuple):
     """The state of a search on n cells, which lie as in `amorsim.kernels.search.frontier`."""
 
     free: NDArray[np.uint8]  # (n,) 1 where a path may lead
-    cost: NDArray[np.float64]  # (n,) [cells] to the goal, as last settled
-    ahead: NDArray[np.float64]  # (n,) [cells] to the goal, by the costs of the neighbours
-    place: NDArray[np.int32]  # (n,) 0 for a cell not in the heap, else 1 + its index
-    heap: NDArray[np.int32]  # (n,) the cells whose `cost` is not what it should be
-    first: NDArray[np.float64]  # (n,) of each entry of the heap: its cost, with the estimate to the start
-    second: NDArray[np.float64]  # (n,) of each entry of the heap: its cost
-    used: NDArray[np.int64]  # (2,) entries of the heap in use, cells expanded in the last `repair`
-    moved: NDArray[np.float64]  # (1,) [cells] that the start has moved, at most
+    cost: Array  # (n,) [cells] to the goal, as last settled
+    ahead: Array  # (n,) [cells] to the goal, by the costs of the neighbours
+    place: Ints32  # (n,) 0 for a cell not in the heap, else 1 + its index
+    heap: Ints32  # (n,) the cells whose `cost` is not what it should be
+    first: Array  # (n,) of each entry of the heap: its cost, with the estimate to the start
+    second: Array  # (n,) of each entry of the heap: its cost
+    used: Ints  # (2,) entries of the heap in use, cells expanded in the last `repair`
+    moved: Array  # (1,) [cells] that the start has moved, at most
 
 
 def new_replan(free: NDArray[np.uint8], width: int, start: int, goal: int) -> Replan:
@@ -157,7 +158,7 @@ def update_around(search: Replan, width: int, start: int, goal: int, cell: int) 
 
 
 @kernel
-def repair(search: Replan, width: int, start: int, goal: int, order: NDArray[np.int32]) -> int:
+def repair(search: Replan, width: int, start: int, goal: int, order: Ints32) -> int:
     """Expand cells until the costs along the path from the start are right, or `order` is full; returns which.
 
     Writes the cells expanded into `order`, and their number into ``used[1]``.
@@ -192,7 +193,7 @@ def repair(search: Replan, width: int, start: int, goal: int, order: NDArray[np.
 
 
 @kernel
-def follow(search: Replan, width: int, start: int, goal: int, out: NDArray[np.int32]) -> int:
+def follow(search: Replan, width: int, start: int, goal: int, out: Ints32) -> int:
     """Write the cells of the path from the start of a search that was repaired; returns how many."""
     free = search.free
     out[0] = start

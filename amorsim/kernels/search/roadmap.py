@@ -11,18 +11,18 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.search.any_angle import is_open_line
 from amorsim.kernels.search.trees import draw, is_free
 
 __all__ = ["search_roadmap", "spread_places"]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
+Ints32 = NDArray[np.int32]
 
 
 @kernel
-def spread_places(free: NDArray[np.uint8], width: int, seed: int, first: int, last: int, out: Floats) -> int:
+def spread_places(free: NDArray[np.uint8], width: int, seed: int, first: int, last: int, out: Array) -> int:
     """Write the free ones (n, 2) of samples `first` to `last` - 1 [cells]; returns how many."""
     rows = free.shape[0] // width - 2
     count = 0
@@ -39,13 +39,13 @@ def spread_places(free: NDArray[np.uint8], width: int, seed: int, first: int, la
 def search_roadmap(
     free: NDArray[np.uint8],
     width: int,
-    places: Floats,
+    places: Array,
     radius: float,
-    cost: Floats,
-    parent: Ints,
+    cost: Array,
+    parent: Ints32,
     state: NDArray[np.uint8],
-    links: Ints,
-    used: NDArray[np.int64],
+    links: Ints32,
+    used: Ints,
     most: int,
 ) -> int:
     """Expand places by their distance from place 0 until place 1 is one: returns 1, or 2 if none is left, else 0.

@@ -17,14 +17,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.random.philox import philox
 from amorsim.kernels.search.any_angle import is_open_line
 
 __all__ = ["Ground", "Tree", "connect", "draw", "grow", "improve", "is_free", "new_tree"]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
+Ints32 = NDArray[np.int32]
 
 _WORD = np.uint64(0xFFFFFFFF)
 _SHIFT = np.uint64(32)
@@ -46,13 +46,13 @@ class Ground(NamedTuple):
 class Tree(NamedTuple):
     """A tree with room for n places; place 0 is its root."""
 
-    x: Floats
-    y: Floats
-    parent: Ints
-    cost: Floats  # [cells] from the root
-    child: Ints  # the first place reached from each, -1 for none
-    sibling: Ints  # the next place with the same parent, -1 for none
-    used: NDArray[np.int64]  # (3,) places in use, samples drawn, the place that the goal is reached from or -1
+    x: Array
+    y: Array
+    parent: Ints32
+    cost: Array  # [cells] from the root
+    child: Ints32  # the first place reached from each, -1 for none
+    sibling: Ints32  # the next place with the same parent, -1 for none
+    used: Ints  # (3,) places in use, samples drawn, the place that the goal is reached from or -1
 
 
 def new_tree(x: float, y: float, room: int) -> Tree:
@@ -260,7 +260,7 @@ def _informed(ground: Ground, number: int, x: float, y: float, best: float) -> t
 
 
 @part
-def _best_end(tree: Tree, ground: Ground, ends: Ints, count: int) -> float:
+def _best_end(tree: Tree, ground: Ground, ends: Ints32, count: int) -> float:
     """The cost of the best path to the goal by a place that sees it, which is noted."""
     best = math.inf
     for i in range(count):
@@ -275,7 +275,7 @@ def _best_end(tree: Tree, ground: Ground, ends: Ints, count: int) -> float:
 
 @kernel
 def improve(
-    tree: Tree, ground: Ground, is_informed: bool, reach: float, near: Ints, ends: Ints, state: Floats, most: int
+    tree: Tree, ground: Ground, is_informed: bool, reach: float, near: Ints32, ends: Ints32, state: Array, most: int
 ) -> None:
     """Draw `most` samples for an RRT*.
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from amorsim.arrays import Array
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.search.frontier import DONE, Search, offer, take
 from amorsim.kernels.search.octile import DIAGONAL, FOUND, GOING_ON, NONE_LEFT
@@ -13,7 +11,7 @@ __all__ = ["expand_priced"]
 
 
 @part
-def _reach(search: Search, price: NDArray[np.float64], cell: int, other: int, step: float) -> None:
+def _reach(search: Search, price: Array, cell: int, other: int, step: float) -> None:
     """Reach a free cell from a neighbour, at the mean of both prices, if that is new or cheaper."""
     if search.place[other] == DONE:
         return
@@ -25,7 +23,7 @@ def _reach(search: Search, price: NDArray[np.float64], cell: int, other: int, st
 
 
 @kernel
-def expand_priced(search: Search, price: NDArray[np.float64], width: int, goal: int, most: int) -> int:
+def expand_priced(search: Search, price: Array, width: int, goal: int, most: int) -> int:
     """Expand cells by Dijkstra's algorithm until the goal is one, none is left, or `most` are expanded; returns which.
 
     A step costs its length [cells] times the mean price of its two cells, above 0, and cuts no corner.

@@ -11,8 +11,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.sorting import sort
 
@@ -31,9 +31,6 @@ __all__ = [
     "take_free",
 ]
 
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
-Bools = npt.NDArray[np.bool_]
 
 DIRECT = 0
 """Which of the ways from an emitter is the straight one; the others go by way of a ray's end, counted from 1."""
@@ -45,26 +42,26 @@ SLACK = 1e-6
 class Listeners(NamedTuple):
     """Transducers that listen: k for each of N rows in turn, M in all."""
 
-    poses: Floats
+    poses: Array
     """(M, 3), in the world."""
-    listens: Floats
+    listens: Array
     """(N, k): when each begins to listen [s], from the tick on."""
-    cones: Floats
+    cones: Array
     """(N, 3): half the angle of a row's cones [rad], and the least and the most that they read [m], both included."""
 
 
 class Emitters(NamedTuple):
     """Transducers that fire, e for each row; as `amorsim.contracts.Emissions` has them."""
 
-    poses: Floats
+    poses: Array
     """(N, e, 3), in the world."""
-    half_angle: Floats
+    half_angle: Array
     """(N, e), of their cones [rad]."""
     fired: Bools
     """(N, e)."""
     own: Bools
     """(N, e): whether they are the row's own, in the order of its listeners."""
-    time: Floats
+    time: Array
     """(N, e): when they fire [s], from the tick on."""
     body: Ints
     """(N, e): the body that carries each."""
@@ -73,15 +70,15 @@ class Emitters(NamedTuple):
 class Facing(NamedTuple):
     """The emitters that each listener can hear, and their distances; from `amorsim.kernels.sensing.earshot.face`."""
 
-    axes: Floats
+    axes: Array
     """(M, 3): cosine and sine of a listener's heading, and the cosine of half its cone's angle."""
-    emitter_axes: Floats
+    emitter_axes: Array
     """(N, e, 4): the same of the emitters, and the sine of half the angle."""
     hears: Bools
     """(M, e): which emitters a listener may hear."""
-    nearest: Floats
+    nearest: Array
     """(M, f): along each ray of a cone, the least distance [m] of a surface that counts; inf if none does."""
-    limit: Floats
+    limit: Array
     """(M,): the largest such distance; below 0 of a cone without surfaces that count."""
     is_done: Bools
     """(M,): whether a listener has heard all there is to hear."""
@@ -90,9 +87,9 @@ class Facing(NamedTuple):
 class Surfaces(NamedTuple):
     """Where the rays of the listeners' cones end, f of each; of no use where ``Facing.limit`` is below 0."""
 
-    bearings: Floats
+    bearings: Array
     """(1 or M, f): of the rays, from the listener's heading [rad]."""
-    ranges: Floats
+    ranges: Array
     """(M, f) [m]; inf for nowhere."""
     thing: Ints
     """(M, f): the body hit; -1 for a wall or nothing."""
@@ -105,7 +102,7 @@ class Sounds(NamedTuple):
 
     first: Ints
     """(M + 1,)"""
-    reading: Floats
+    reading: Array
     """(S,): half the way that sound could have gone since the listener began to listen [m]."""
     number: Ints
     """(S,): that of the emitter times (f + 1), plus that of the way."""
@@ -116,9 +113,9 @@ class Lines(NamedTuple):
 
     row: Ints
     """(P,): the row that hears it."""
-    poses: Floats
+    poses: Array
     """(P, 3): where each begins, looking along it."""
-    ahead: Floats
+    ahead: Array
     """(P, 2): from there to the emitter [m]."""
     carrier: Ints
     """(P,): the body that carries the emitter."""
@@ -270,7 +267,7 @@ def lay_lines(
 
 
 @kernel
-def take_free(sounds: Sounds, begin: Ints, batch: int, is_free: Bools, is_done: Bools, heard: Floats) -> None:
+def take_free(sounds: Sounds, begin: Ints, batch: int, is_free: Bools, is_done: Bools, heard: Array) -> None:
     """Let each listener hear the first of its next `batch` sounds whose line is free; count them in `begin` (M,).
 
     `is_free` (P,) says which lines are. `heard` (N, k) [m] gets the reading. Listeners that heard a sound are done.

@@ -8,11 +8,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from amorsim.arrays import Array
 from amorsim.kernels.compile import kernel
 
 __all__ = ["TOLERANCE", "Reading", "UnderWay", "deliver", "due_rows", "take_due"]
 
-Floats = NDArray[np.float64]
 Ticks = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 # A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
@@ -25,13 +25,13 @@ TOLERANCE = 1e-9
 class Reading(NamedTuple):
     """A robot's current reading of a sensor with k values."""
 
-    true: Floats
+    true: Array
     """(N, k)"""
-    measured: Floats
+    measured: Array
     """(N, k)"""
     stamp: Ticks
     """(N, 1): the tick of the sample; -1 before the first."""
-    age: Floats
+    age: Array
     """(N, 1) [s], since that tick."""
     fresh: Flags
     """(N, 1): whether it arrived at this tick."""
@@ -40,9 +40,9 @@ class Reading(NamedTuple):
 class UnderWay(NamedTuple):
     """Samples in transit, in s slots."""
 
-    true: Floats
+    true: Array
     """(N, s, k)"""
-    measured: Floats
+    measured: Array
     """(N, s, k)"""
     stamp: Ticks
     """(N, s): the tick of each sample; -1 in an empty slot."""
@@ -70,7 +70,7 @@ def due_rows(tick: Ticks, rate: Column, dt: float, out: Flags) -> int:
 
 
 @kernel
-def take_due(due: Flags, tick: Ticks, dt: float, true: Floats, measured: Floats, held: Reading, out: Reading) -> None:
+def take_due(due: Flags, tick: Ticks, dt: float, true: Array, measured: Array, held: Reading, out: Reading) -> None:
     """Update the robots' readings after this tick's samples of the rows `due` (N, 1), for sensors without delay."""
     for i in range(tick.shape[0]):
         source_true = true if due[i, 0] else held.true
@@ -88,8 +88,8 @@ def deliver(
     due: Flags,
     tick: Ticks,
     dt: float,
-    true: Floats,
-    measured: Floats,
+    true: Array,
+    measured: Array,
     delay: Ticks,
     late: Column,
     under_way: UnderWay,

@@ -10,16 +10,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.raycast.rays import direction
 from amorsim.kernels.sensing.acoustics import SLACK, Emitters, Facing, Listeners
 
 __all__ = ["face"]
 
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 # What is held of an emitter that a listener may hear: where it is from there, how far off [m], the ways by which it can
 # be heard [m], and of both edges of its cone the direction, x and y, and how far the listener is inside of it.
@@ -31,7 +29,7 @@ _FEW = 2  # emitters up to which the distances that count are found for each ray
 
 
 @part
-def _is_beyond(nx: float, ny: float, x: float, y: float, emitter: Floats) -> bool:
+def _is_beyond(nx: float, ny: float, x: float, y: float, emitter: Array) -> bool:
     """Whether a cone with its tip at (x, y) is wholly on the side (nx, ny) of a line through the origin."""
     if nx * x + ny * y <= SLACK * (abs(x) + abs(y)):
         return False
@@ -41,7 +39,7 @@ def _is_beyond(nx: float, ny: float, x: float, y: float, emitter: Floats) -> boo
 
 
 @part
-def _are_apart(edges: Floats, x: float, y: float, emitter: Floats) -> bool:
+def _are_apart(edges: Array, x: float, y: float, emitter: Array) -> bool:
     """Whether no ray of a listener's cone meets the cone of an emitter (x, y) from it; not where that is in doubt.
 
     It lies behind the listener, or left of its cone's left edge, or right of the right one; `edges` (3, 2) are normals.
@@ -56,7 +54,7 @@ def _are_apart(edges: Floats, x: float, y: float, emitter: Floats) -> bool:
 
 
 @part
-def _set_edges(cos: float, sin: float, cos_half: float, sin_half: float, edges: Floats) -> None:
+def _set_edges(cos: float, sin: float, cos_half: float, sin_half: float, edges: Array) -> None:
     """Write the normals of `_are_apart`."""
     edges[0, 0], edges[0, 1] = -cos, -sin
     edges[1, 0], edges[1, 1] = -(sin * cos_half + cos * sin_half), cos * cos_half - sin * sin_half
@@ -64,7 +62,7 @@ def _set_edges(cos: float, sin: float, cos_half: float, sin_half: float, edges: 
 
 
 @part
-def _set_candidate(x: float, y: float, shortest: float, longest: float, limit: float, axis: Floats, to: Floats) -> None:
+def _set_candidate(x: float, y: float, shortest: float, longest: float, limit: float, axis: Array, to: Array) -> None:
     """Write the input of `_meets_at` for an emitter (x, y) from a listener, with a path from `shortest` to `longest`.
 
     `limit` [m] is how far the listener's rays go, `axis` of `Facing.emitter_axes`.
@@ -85,7 +83,7 @@ def _set_candidate(x: float, y: float, shortest: float, longest: float, limit: f
 
 
 @part
-def _meets_at(dx: float, dy: float, limit: float, of: Floats) -> float:
+def _meets_at(dx: float, dy: float, limit: float, of: Array) -> float:
     """How far along a listener's ray of direction (dx, dy) its points begin to be in an emitter's cone [m].
 
     Only points that sound could come by, and that are no farther than `limit` [m]; inf if there are none. It is never
@@ -117,7 +115,7 @@ def _meets_at(dx: float, dy: float, limit: float, of: Floats) -> float:
 
 
 @kernel
-def face(listeners: Listeners, emitters: Emitters, fan: Floats, speed: float, facing: Facing) -> None:
+def face(listeners: Listeners, emitters: Emitters, fan: Array, speed: float, facing: Facing) -> None:
     """Find the emitters that listeners may hear, the cones that may carry a sound, and the listeners that hear none.
 
     A cone is left out only if no sound via the end of any of its rays could count. `fan` (f,) gives a cone's rays in

@@ -4,16 +4,11 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.collision.footprints import Bodies
 from amorsim.kernels.compile import kernel
 
 __all__ = ["topmost"]
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 @kernel
@@ -43,7 +38,7 @@ def _covers(bodies: Bodies, part: int, radius: float, x: float, y: float) -> boo
 
 
 @kernel
-def topmost(shapes: Bodies, poses: Floats, places: Floats, out: Ints) -> None:
+def topmost(shapes: Bodies, poses: Array, places: Array, out: Ints) -> None:
     """Write the number of the last of `shapes` that covers each of `places` (Q, 2) [m] into `out` (Q,), -1 for none.
 
     `poses` (B, 3) are where the shapes lie: x [m], y [m], heading [rad].

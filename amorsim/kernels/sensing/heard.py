@@ -6,14 +6,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.kernels.compile import kernel
 
 __all__ = ["Senders", "hear_nearest"]
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 class Senders(NamedTuple):
@@ -25,18 +22,18 @@ class Senders(NamedTuple):
     """(N + 1,) receiver n's neighbours are ``body[first[n]:first[n + 1]]``."""
     body: Ints
     """(K,) the neighbour's body, in order for each receiver."""
-    poses: Floats
+    poses: Array
     """(T, 3) of all bodies, true, in the world."""
-    twists: Floats
+    twists: Array
     """(T, 3) [m/s, m/s, rad/s], each in its body's frame."""
-    reach: Floats
+    reach: Array
     """(T,) [m] radius of the circle around the base point that holds the footprint."""
-    sends: NDArray[np.bool_]
+    sends: Bools
     """(T,) whether the body sends: robots do, their parts and obstacles do not."""
 
 
 @kernel
-def hear_nearest(near: Senders, mounts: Floats, range_max: Floats, out: Floats) -> None:
+def hear_nearest(near: Senders, mounts: Array, range_max: Array, out: Array) -> None:
     """The table of each receiver, into `out` (N, S, 6): range, x, y [m], vx, vy [m/s] and radius [m] of S senders.
 
     Parameters

@@ -9,21 +9,17 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.compile import kernel
 
 __all__ = ["deviate", "diffuse", "slip", "spread", "wander"]
 
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 # A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
 Column = Any
 
 
 @kernel
-def spread(values: Floats, density: Column, elapsed: Floats, noise: Floats) -> None:
+def spread(values: Array, density: Column, elapsed: Array, noise: Array) -> None:
     """Turn standard normal `noise`, in place, into values with white noise of a `density`, over times `elapsed` (N, 1).
 
     The standard deviation is the density over the root of the time [s], and 0 over none.
@@ -37,7 +33,7 @@ def spread(values: Floats, density: Column, elapsed: Floats, noise: Floats) -> N
 
 @kernel
 def wander(
-    values: Floats, before: Floats, elapsed: Floats, std: Column, correlation_time: Column, noise: Floats, out: Floats
+    values: Array, before: Array, elapsed: Array, std: Column, correlation_time: Column, noise: Array, out: Array
 ) -> None:
     """Turn standard normal `noise`, in place, into a Gauss-Markov process, and write the values with it into `out`.
 
@@ -62,7 +58,7 @@ def wander(
 
 
 @kernel
-def diffuse(travels: Floats, variance: Column, noise: Floats) -> None:
+def diffuse(travels: Array, variance: Column, noise: Array) -> None:
     """Turn standard normal `noise`, in place, into travels with noise, of a `variance` for each metre of them."""
     for i in range(travels.shape[0]):
         for j in range(travels.shape[1]):
@@ -71,7 +67,7 @@ def diffuse(travels: Floats, variance: Column, noise: Floats) -> None:
 
 
 @kernel
-def deviate(headings: Floats, a: Column, b: Column, c: Column, d: Column, e: Column, out: Floats) -> None:
+def deviate(headings: Array, a: Column, b: Column, c: Column, d: Column, e: Column, out: Array) -> None:
     """Headings h with a + b sin h + c cos h + d sin 2h + e cos 2h added, into `out`; what is not finite stays."""
     for i in range(headings.shape[0]):
         for j in range(headings.shape[1]):
@@ -83,14 +79,14 @@ def deviate(headings: Floats, a: Column, b: Column, c: Column, d: Column, e: Col
 
 @kernel
 def slip(
-    travels: Floats,
+    travels: Array,
     steps: Ints,
-    elapsed: Floats,
+    elapsed: Array,
     at: Column,
     duration: Column,
     factor: Column,
-    slips: Floats,
-    out: Floats,
+    slips: Array,
+    out: Array,
 ) -> None:
     """The part of travels that wheels go over the ground while they slip for a time, into `out`.
 

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.random.normals import normals
 from amorsim.kernels.random.philox import lay_out, pairs
@@ -25,8 +26,6 @@ __all__ = [
     "take_steps",
 ]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 SCATTER, ADD, MULTIPLY, ROUND, FLOOR, CLIP, REPLACE = range(7)
 MEDIANS = -1  # in the place of a block's number: not draws, but the medians of what they are drawn from
@@ -41,7 +40,7 @@ class Program(NamedTuple):
     """(D,): one past the last step of each device."""
     kinds: Ints
     """(S,)"""
-    parameters: Floats
+    parameters: Array
     """(S, N, 2): what each step takes."""
     keys: NDArray[np.uint64]
     """(S, N): of the draws of each step."""
@@ -50,7 +49,7 @@ class Program(NamedTuple):
 
 
 @part
-def _take_step(kind: int, a: float, b: float, drawn: Floats, values: Floats) -> None:
+def _take_step(kind: int, a: float, b: float, drawn: Array, values: Array) -> None:
     """Do one step to the values (k,) of a row, in place; `drawn` are its draws (k,)."""
     for j in range(values.shape[0]):
         value = values[j]
@@ -82,12 +81,12 @@ def take_steps(
     sizes: Ints,
     ends: Ints,
     kinds: Ints,
-    parameters: Floats,
+    parameters: Array,
     keys: NDArray[np.uint64],
     counter: NDArray[np.uint32],
     blocks: Ints,
-    values: Floats,
-    out: Floats,
+    values: Array,
+    out: Array,
 ) -> None:
     """Write into `out` (V,) the result of the steps for `values` (V,), for rows first_row..end_row-1.
 

@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.kinematics.poses import wrap
 
@@ -24,8 +22,6 @@ __all__ = [
     "wrap_headings",
 ]
 
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 # A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
 Column = Any
 
@@ -33,7 +29,7 @@ _TURN = 2.0 * math.pi
 
 
 @kernel
-def place_ring(poses: Floats, x: Any, y: Any, heading: Any, out: Floats) -> None:
+def place_ring(poses: Array, x: Any, y: Any, heading: Any, out: Array) -> None:
     """World poses of the elements of rings, into `out` (N * k, 3): those of row 0 first.
 
     `poses` (N, 3) are the mounts in the world; `x`, `y` [m] and `heading` [rad] (N, k) the elements on their
@@ -50,7 +46,7 @@ def place_ring(poses: Floats, x: Any, y: Any, heading: Any, out: Floats) -> None
 
 
 @kernel
-def count_turns(joints: Floats, counts: Column, out: Floats) -> None:
+def count_turns(joints: Array, counts: Column, out: Array) -> None:
     """Write the counts of encoders on joints (N, j) [rad] into `out`; `counts` of a full turn, (N, 1) or (N, j)."""
     for i in range(out.shape[0]):
         for j in range(out.shape[1]):
@@ -58,7 +54,7 @@ def count_turns(joints: Floats, counts: Column, out: Floats) -> None:
 
 
 @kernel
-def response(distance: float, distances: Floats, values: Floats) -> float:
+def response(distance: float, distances: Array, values: Array) -> float:
     """Response of a table (m,) to a distance: linear between points, the first value nearer, 0 farther away."""
     if distance <= distances[0]:
         return float(values[0])
@@ -72,13 +68,13 @@ def response(distance: float, distances: Floats, values: Floats) -> float:
 
 @kernel
 def add_responses(
-    ranges: Floats,
+    ranges: Array,
     distances: Column,
     values: Column,
     side_distances: Column,
     side_values: Column,
     most: Column,
-    out: Floats,
+    out: Array,
 ) -> None:
     """Add up the light that returns to elements along three rays, `ranges` (N * k, 3) [m], into `out` (N, k).
 
@@ -95,14 +91,14 @@ def add_responses(
 
 
 @kernel
-def wrap_headings(poses: Floats, out: Floats) -> None:
+def wrap_headings(poses: Array, out: Array) -> None:
     """Headings of `poses` (N, 3) in [-pi, pi], into `out` (N, 1) [rad]."""
     for i in range(poses.shape[0]):
         out[i, 0] = wrap(poses[i, 2])
 
 
 @kernel
-def blank_near(ranges: Floats, range_min: Column, out: Floats) -> None:
+def blank_near(ranges: Array, range_min: Column, out: Array) -> None:
     """Write `ranges` (N, k) [m] into `out`, -inf, "too close to measure", for those below `range_min` (N, 1)."""
     for i in range(ranges.shape[0]):
         for j in range(ranges.shape[1]):
@@ -110,7 +106,7 @@ def blank_near(ranges: Floats, range_min: Column, out: Floats) -> None:
 
 
 @kernel
-def shares_of_range(ranges: Floats, range_max: Column, first: int, out: Floats) -> None:
+def shares_of_range(ranges: Array, range_max: Column, first: int, out: Array) -> None:
     """Write `ranges` (N, k) [m] as shares of `range_max`, (N, 1) or (1, 1), into the columns of `out` from `first` on.
 
     They are from 0 to 1; 1 also where there is no return, or nan.
@@ -124,7 +120,7 @@ def shares_of_range(ranges: Floats, range_max: Column, first: int, out: Floats) 
 
 
 @kernel
-def range_and_bearing(poses: Floats, places: Floats, farthest: float, out: Floats) -> None:
+def range_and_bearing(poses: Array, places: Array, farthest: float, out: Array) -> None:
     """Write how far `places` (N, 2) are from `poses` (N, 3), and cosine and sine of the bearing, into `out` (N, 3+).
 
     A distance is `farthest` [m] at most.
@@ -139,7 +135,7 @@ def range_and_bearing(poses: Floats, places: Floats, farthest: float, out: Float
 
 
 @kernel
-def scatter(values: Floats, amounts: Floats, std: Column, proportional: Column, noise: Floats) -> None:
+def scatter(values: Array, amounts: Array, std: Column, proportional: Column, noise: Array) -> None:
     """Turn standard normal `noise` (N, k), in place, into `values` (N, k) with noise on them.
 
     The standard deviation is `std` (N, 1) and `proportional` (N, 1) times the size of `amounts` (N, k)
@@ -157,14 +153,14 @@ def scatter(values: Floats, amounts: Floats, std: Column, proportional: Column, 
 
 @kernel
 def specific_force(
-    twists: Floats,
-    mounts: Floats,
-    before: Floats,
+    twists: Array,
+    mounts: Array,
+    before: Array,
     tick_before: Ints,
     tick: Ints,
     dt: float,
-    velocity: Floats,
-    out: Floats,
+    velocity: Array,
+    out: Array,
 ) -> None:
     """Acceleration of points on bodies, in the points' own frames, and rates of turn, into `out` (N, 3).
 

@@ -4,22 +4,17 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-import numpy.typing as npt
-
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.kernels.compile import kernel, part
 
 __all__ = ["bodies_in_cones", "incidences", "nearest_rays", "probe"]
 
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
-Bools = npt.NDArray[np.bool_]
 
 _SLACK = 1e-9  # relative, by which a cone or a body is taken for larger than it is
 
 
 @kernel
-def nearest_rays(bearings: Floats, ranges: Floats, bearing: Floats, nearest: Floats) -> None:
+def nearest_rays(bearings: Array, ranges: Array, bearing: Array, nearest: Array) -> None:
     """Write bearing and range of the nearest of each row's rays, the first of equals, into `bearing`, `nearest` (M, 1).
 
     `bearings` (1 or M, k) [rad] and `ranges` (M, k) [m]; where all are inf, the first ray's.
@@ -43,7 +38,7 @@ def _end(reach: float, turn: float, ahead: float) -> tuple[float, float, float]:
 
 
 @kernel
-def probe(bearings: Floats, ranges: Floats, patch: float, cos: Floats, sin: Floats) -> None:
+def probe(bearings: Array, ranges: Array, patch: float, cos: Array, sin: Array) -> None:
     """Write the directions (M, 2 k) of two probes for each beam, on its left and its right: first all on the left.
 
     They meet a wall across the beam's end so far `patch` [m] beside it. Of the beams, `bearings` (1 or M, k) [rad] and
@@ -65,7 +60,7 @@ def _turn(reach: float, patch: float) -> float:
 
 
 @kernel
-def incidences(ranges: Floats, probes: Floats, patch: float, even: float, out: Floats) -> None:
+def incidences(ranges: Array, probes: Array, patch: float, even: float, out: Array) -> None:
     """Angles of incidence [rad] on walls (M, k), by the line through two places close to where each beam ends.
 
     The places are where probes end, to either side of the beam; or the nearer probe's end and the beam's, where one is
@@ -102,12 +97,12 @@ def incidences(ranges: Floats, probes: Floats, patch: float, even: float, out: F
 
 @kernel
 def bodies_in_cones(
-    origins: Floats,
-    half_angle: Floats,
-    nearest: Floats,
-    range_max: Floats,
-    poses: Floats,
-    reach: Floats,
+    origins: Array,
+    half_angle: Array,
+    nearest: Array,
+    range_max: Array,
+    poses: Array,
+    reach: Array,
     owner: Ints,
     own: Ints,
     out: Bools,

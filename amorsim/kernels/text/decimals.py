@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from amorsim.arrays import Array, Ints
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.text.shortest import put_not_finite, put_shortest
 
@@ -112,7 +113,7 @@ def _put_number(value: float, decimals: int, out: NDArray[np.uint8], at: int) ->
 
 
 @part
-def _look_ahead(table: NDArray[np.float64], step: int, first: int, count: int, words: NDArray[np.uint64]) -> None:
+def _look_ahead(table: Array, step: int, first: int, count: int, words: NDArray[np.uint64]) -> None:
     """Find the digits of numbers with six decimals, without branches, so that several are done at once.
 
     A word is six digits in its upper bytes, what comes before the point in the lowest twelve bits, and whether it is
@@ -146,7 +147,7 @@ def _look_ahead(table: NDArray[np.float64], step: int, first: int, count: int, w
 
 @part
 def _put_numbers(
-    table: NDArray[np.float64],
+    table: Array,
     step: int,
     first: int,
     count: int,
@@ -206,15 +207,15 @@ def _put_text(texts: NDArray[np.uint8], begin: int, end: int, out: NDArray[np.ui
 
 @kernel
 def write_lines(
-    table: NDArray[np.float64],
+    table: Array,
     rows: int,
-    lines: NDArray[np.int64],
-    spans: NDArray[np.int64],
+    lines: Ints,
+    spans: Ints,
     names: NDArray[np.uint8],
-    name_ends: NDArray[np.int64],
+    name_ends: Ints,
     powers: NDArray[np.uint64],
     words: NDArray[np.uint64],
-    ends: NDArray[np.int64],
+    ends: Ints,
     out: NDArray[np.uint8],
 ) -> bool:
     """Write lines of comma-separated cells; False if a number has more digits than 2^53.

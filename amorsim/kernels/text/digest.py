@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.kernels.compile import kernel, part
 
 __all__ = ["absorb", "bind_absorb"]
 
-Floats = npt.NDArray[np.float64]
 
 # Odd multipliers with well-mixed bits, from the fractional parts of the golden ratio and of the square root of 2.
 _FIRST = np.uint64(0x9E3779B97F4A7C15)
@@ -48,7 +48,7 @@ def _mix(bits: npt.NDArray[np.uint64], out: npt.NDArray[np.uint64]) -> None:
 
 @kernel
 def _absorb(
-    a: Floats, b: Floats, c: Floats, d: Floats, e: Floats, f: Floats, g: Floats, h: Floats, out: npt.NDArray[np.uint64]
+    a: Array, b: Array, c: Array, d: Array, e: Array, f: Array, g: Array, h: Array, out: npt.NDArray[np.uint64]
 ) -> None:
     for values in (a, b, c, d, e, f, g, h):
         bits = values.view(np.uint64)
@@ -56,13 +56,13 @@ def _absorb(
             _mix(bits[i], out[i])
 
 
-def absorb(values: Sequence[npt.NDArray[np.float64]], out: npt.NDArray[np.uint64]) -> None:
+def absorb(values: Sequence[Array], out: npt.NDArray[np.uint64]) -> None:
     """Mix the bits of arrays (N, k), C-contiguous and writeable, into the fingerprints `out` (N, 2), in order."""
     for call in bind_absorb(values, out):
         call()
 
 
-def bind_absorb(values: Sequence[npt.NDArray[np.float64]], out: npt.NDArray[np.uint64]) -> list[Callable[[], None]]:
+def bind_absorb(values: Sequence[Array], out: npt.NDArray[np.uint64]) -> list[Callable[[], None]]:
     """The calls that do what `absorb` does, each time they are made, for arrays that keep their place."""
     batches = [values[start : start + _BATCH] for start in range(0, len(values), _BATCH)]
     arguments: list[Any] = [(*batch, *_PADDING[len(batch) :], out) for batch in batches]

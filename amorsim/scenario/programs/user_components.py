@@ -7,8 +7,8 @@ from typing import Any, ClassVar
 
 import attrs
 
+from amorsim.arrays import Array
 from amorsim.contracts import Frame, Metric, Plan, Planner, Recorder, RunInfo
-from amorsim.contracts.values import Array
 from amorsim.controllers.user import UserController
 from amorsim.core.errors import ControllerError
 from amorsim.core.maps.map import Map

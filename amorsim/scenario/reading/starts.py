@@ -8,9 +8,9 @@ from typing import TypeVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 import shapely
 
+from amorsim.arrays import Array
 from amorsim.core.execution.memory import too_large
 from amorsim.core.maps.footprint_room import outside, overlap_with_others, overlap_with_walls, wall_gaps
 from amorsim.core.maps.map import Map
@@ -243,7 +243,7 @@ def check_starts(world: Map, fixed: Sequence[Placed]) -> None:
 
 
 def _check_overlaps(
-    fixed: Sequence[Placed], shapes: Sequence[Shape], poses: npt.NDArray[np.float64], wrong: list[tuple[Placed, str]]
+    fixed: Sequence[Placed], shapes: Sequence[Shape], poses: Array, wrong: list[tuple[Placed, str]]
 ) -> None:
     reach = np.array([shape.reach for shape in shapes])
     boxes = shapely.box(*(poses[:, :2] - reach[:, None]).T, *(poses[:, :2] + reach[:, None]).T)

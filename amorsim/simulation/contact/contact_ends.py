@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.simulation.contact.resolve import WALL
 from amorsim.simulation.world.world import World
 
 __all__ = ["PARTED", "still_near"]
 
-Array = npt.NDArray[np.float64]
 
 # Bodies farther apart than this have parted. A body that slides along a wall leaves it by fractions of a millimetre
 # between two touches, and walls are only known to a cell, at least 1 mm.

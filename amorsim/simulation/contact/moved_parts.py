@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any, NoReturn, Protocol
+from typing import NoReturn, Protocol
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import AnyArray, Array, Ints
 from amorsim.contracts import Drive
 from amorsim.core.errors import AmorsimError
 from amorsim.core.poses import compose, logarithm, relative
@@ -25,9 +25,6 @@ from amorsim.simulation.truth import has_draws, true_robot
 from amorsim.simulation.world.world import World
 
 __all__ = ["Parts", "with_parts"]
-
-Array = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 
 _LOOK = 1e-4  # of a step, to either side: the difference of two such positions gives a velocity
@@ -145,7 +142,7 @@ class Parts:
 
         return arrive
 
-    def arrays(self) -> dict[str, npt.NDArray[Any]]:
+    def arrays(self) -> dict[str, AnyArray]:
         """All arrays that change."""
         return {"poses": self.poses, "twists": self.twists}
 

@@ -17,12 +17,12 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, NoReturn, Protocol
+from typing import NoReturn, Protocol
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import AnyArray, Array, Bools, Ints
 from amorsim.core.errors import AmorsimError, ContactError
 from amorsim.core.execution.workers import in_turn
 from amorsim.core.maps.map import Map
@@ -35,8 +35,6 @@ from amorsim.simulation.world.world import World
 
 __all__ = ["WALL", "Contact", "Movement", "Mover"]
 
-Array = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 # Bodies that touch and slide are tested at most this far apart; a wall is at least a cell, 1 mm, thick.
 SHORTEST = 2.5e-4  # [m]
@@ -250,8 +248,8 @@ def _rows_of(bodies: Ints) -> slice | Ints:
 
 
 def _part_of(
-    whole: npt.NDArray[Any], rows: slice | Ints
-) -> tuple[npt.NDArray[Any], list[Callable[[], None]], list[Callable[[], None]]]:
+    whole: AnyArray, rows: slice | Ints
+) -> tuple[AnyArray, list[Callable[[], None]], list[Callable[[], None]]]:
     """Some rows of an array, contiguous in memory, as kernels need them.
 
     Also the functions that copy its rows to the whole and back; none where it is a view.
@@ -269,7 +267,7 @@ def _part_of(
     return own, [put], [fetch]
 
 
-def _search_of(a: Ints, b: Ints, asks: npt.NDArray[np.bool_], bodies: int) -> Search:
+def _search_of(a: Ints, b: Ints, asks: Bools, bodies: int) -> Search:
     """A search that has not begun, of pairs among a number of `bodies`."""
     count = len(a)
     two = np.flatnonzero(b != WALL)

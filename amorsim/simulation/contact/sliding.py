@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Drive
 from amorsim.core.poses import compose, exponential
 
 __all__ = ["arcs", "bounds", "displaced", "part_bounds"]
-
-Array = npt.NDArray[np.float64]
 
 
 def arcs(twist: Array, slide: Array) -> Array:

@@ -8,8 +8,8 @@ from typing import Any, NoReturn
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools
 from amorsim.contracts import (
     Beliefs,
     Context,
@@ -33,7 +33,6 @@ from amorsim.simulation.row_clock import RowClock
 
 __all__ = ["Estimators"]
 
-Array = npt.NDArray[np.float64]
 Blame = Callable[[BaseException], NoReturn]
 
 
@@ -149,7 +148,7 @@ class Estimators:
         """The readings, and the estimates that feed an estimator."""
         now = self._row_clock
 
-        def is_current(name: str) -> npt.NDArray[np.bool_] | None:
+        def is_current(name: str) -> Bools | None:
             return self._estimators[name].is_current(copies, self.states[name])
 
         return {**copies, **estimate_readings(fed_by, self.estimates, now.tick, now.always, is_current)}

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Bools, Ints
 from amorsim.contracts import Estimate, Estimator, Measurement
 from amorsim.contracts.estimator import ESTIMATES
 from amorsim.core.errors import ComponentError, did_you_mean
@@ -71,9 +71,9 @@ def _visit(
 def estimate_readings(
     names: Iterable[str],
     estimates: Mapping[str, Estimate],
-    tick: npt.NDArray[np.int64],
-    fresh: npt.NDArray[np.bool_],
-    is_current: Callable[[str], npt.NDArray[np.bool_] | None] = lambda _: None,
+    tick: Ints,
+    fresh: Bools,
+    is_current: Callable[[str], Bools | None] = lambda _: None,
 ) -> dict[str, Measurement]:
     """Estimates of this `tick` `(N, 1)` as readings ``"estimators.NAME"``: pose and covariance, `(N, 12)`.
 

@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Draws
 from amorsim.kernels.filters.gaussians import draw_around
 from amorsim.scenario.spec import Robot
 
 __all__ = ["BELIEF", "first_beliefs"]
 
-Array = npt.NDArray[np.float64]
 
 BELIEF = ("initial_belief",)
 """The name of the stream that errors of initial beliefs are drawn from."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Hashable, Mapping, Sequence
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import RobotModel, SensorModel
 from amorsim.core.arguments import whole
 from amorsim.core.error_text import RAISED, error_in_words
@@ -97,7 +97,7 @@ def channels_of(robot: Robot) -> tuple[str, ...]:
     return (*robot.drive.channels, *devices)
 
 
-def poses_of(robots: Sequence[Robot]) -> npt.NDArray[np.float64]:
+def poses_of(robots: Sequence[Robot]) -> Array:
     """Start poses of robots `(N, 3)`."""
     found = []
     for robot in robots:

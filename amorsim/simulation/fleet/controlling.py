@@ -9,6 +9,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import AnyArray, Array
 from amorsim.contracts import (
     Beliefs,
     Clock,
@@ -31,7 +32,6 @@ from amorsim.simulation.row_clock import RowClock
 
 __all__ = ["Driver", "report_problem"]
 
-Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
 
@@ -233,7 +233,7 @@ class Driver:
             raise self._whose.wrong("controller", controller, problem)
         return found
 
-    def arrays(self) -> dict[str, npt.NDArray[Any]]:
+    def arrays(self) -> dict[str, AnyArray]:
         """The engine's own arrays that change."""
         return {"active": self.active, "by_hand": self.by_hand, "hand": self.hand}
 
@@ -267,7 +267,7 @@ def _ask_some(
     So a robot's behaviour never depends on whether others of its group are driven by hand, and a user's controller
     that raises or hangs is not called for a robot that is driven by hand.
     """
-    part: dict[str, npt.NDArray[Any]] = {name: array[rows] for name, array in state.items()}
+    part: dict[str, AnyArray] = {name: array[rows] for name, array in state.items()}
     command = take(controller, rows).command(
         _model(robot, rows),
         {name: _some(reading, rows) for name, reading in readings.items()},

@@ -8,8 +8,8 @@ from typing import Any
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.core.draws import check_collisions
 from amorsim.core.errors import Fault, ScenarioError
 from amorsim.core.maps.footprint_room import overlap_with_others, overlap_with_walls
@@ -29,9 +29,6 @@ from amorsim.simulation.world.terrain import Terrains
 from amorsim.worlds.drawn import origin_of
 
 __all__ = ["Fleet"]
-
-Array = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 
 class Fleet:
@@ -147,7 +144,7 @@ class Fleet:
         here = self.terrains.of(known).at(index)
         return robot if here is known else attrs.evolve(robot, knowledge=attrs.evolve(robot.knowledge, map=here))
 
-    def draw_starts(self, which: npt.NDArray[np.bool_]) -> None:
+    def draw_starts(self, which: Bools) -> None:
         """Draw the starts of the present episode in the replicas marked in `which` `(R,)`, if any are random."""
         if not any(body.start is not None and body.start.per == "replica" for body in self._placed):
             return

@@ -8,8 +8,8 @@ from typing import Any, NoReturn
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import AnyArray, Array, Ints
 from amorsim.contracts import (
     Beliefs,
     Context,
@@ -52,9 +52,7 @@ __all__ = ["Group"]
 
 _FLOAT = np.dtype(np.float64)
 
-Array = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
-Arrays = dict[str, npt.NDArray[Any]]
+Arrays = dict[str, AnyArray]
 
 
 class Group:

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NoReturn
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import AnyArray, Array, Ints
 from amorsim.contracts import Context, Motion, ObstacleFrame, State
 from amorsim.core.error_text import RAISED
 from amorsim.core.errors import AmorsimError
@@ -23,9 +23,6 @@ from amorsim.simulation.world.sensor_view import GroupView
 from amorsim.simulation.world.world import World
 
 __all__ = ["ObstacleGroup"]
-
-Array = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 
 class ObstacleGroup:
@@ -140,7 +137,7 @@ class ObstacleGroup:
             moves=self.motion is not None,
         )
 
-    def arrays(self) -> dict[str, dict[str, npt.NDArray[Any]]]:
+    def arrays(self) -> dict[str, dict[str, AnyArray]]:
         """The engine's own arrays that change."""
         return {
             "body": {name: getattr(self, name) for name in ("true_pose", "true_twist", "free", "fingerprint")},

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.core.distributions import STUDY
 from amorsim.core.draws import Draws, stream_key
 from amorsim.core.errors import Fault, MapError, ScenarioError
@@ -22,8 +22,6 @@ from amorsim.simulation.world.world import World
 
 __all__ = ["Areas", "draw_starts", "draw_starts_again", "with_start"]
 
-Array = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 TRIES = 1000
 _LOOKS = (64, 96, 128, 192, 256, 384, 512)  # tries after which `_is_hopeless` is checked
@@ -89,7 +87,7 @@ def draw_starts_again(
     seed: int,
     replicas: Sequence[int],
     episodes: Ints,
-    which: npt.NDArray[np.bool_],
+    which: Bools,
     areas: Areas,
     source: str,
 ) -> Array:
@@ -117,12 +115,12 @@ def draw_starts_again(
 def _draw(
     world: World,
     bodies: Sequence[Robot | Obstacle],
-    chosen: npt.NDArray[np.bool_],
+    chosen: Bools,
     numbers: Sequence[int],
     episodes: Ints,
     seed: int,
     poses: Array,
-    placed: npt.NDArray[np.bool_],
+    placed: Bools,
     inside: Array,
     areas: Areas | None = None,
 ) -> int:

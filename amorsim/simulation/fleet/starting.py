@@ -7,8 +7,8 @@ from typing import Protocol
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.core.maps.map import Map
 from amorsim.scenario.floor import Floor
 from amorsim.scenario.reading.worlds import start_of
@@ -19,8 +19,6 @@ from amorsim.simulation.world.terrain import Terrain
 from amorsim.simulation.world.world import World
 
 __all__ = ["bodies_of", "drawn_starts", "starts_in", "world_of"]
-
-Array = npt.NDArray[np.float64]
 
 
 class Things(Protocol):

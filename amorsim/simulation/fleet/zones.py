@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools
 from amorsim.contracts import Context, Drive, State
 from amorsim.core.crossings import contains, share_rolled, share_within
 from amorsim.core.poses import compose
@@ -19,8 +20,6 @@ from amorsim.simulation.sensing.noise_chain import Chain, Streams
 
 __all__ = ["Zones", "contact_points", "zone_streams"]
 
-Array = npt.NDArray[np.float64]
-Bools = npt.NDArray[np.bool_]
 
 _BORDER = 1e-6  # [m] on either side, within which rounding might move a wheel that rests on the border
 

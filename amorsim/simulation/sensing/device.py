@@ -10,6 +10,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import AnyArray, Array
 from amorsim.contracts import Aim, Context, Draws, Emission, Measurement, Sensor, SensorBinding, Side, State
 from amorsim.core.error_text import RAISED, in_words
 from amorsim.core.rows import stack
@@ -25,7 +26,6 @@ from amorsim.simulation.world.sensor_view import GroupView
 
 __all__ = ["Device"]
 
-Array = npt.NDArray[np.float64]
 Ticks = npt.NDArray[np.int64]
 Flags = npt.NDArray[np.bool_]
 
@@ -332,7 +332,7 @@ class Device:
         """The arrays of the current reading themselves, for components that are bound."""
         return Measurement(self.measured, self.stamp, self.age, self.fresh)
 
-    def arrays(self) -> dict[str, npt.NDArray[Any]]:
+    def arrays(self) -> dict[str, AnyArray]:
         """The device's own arrays that change, by name, without the states of components.
 
         Of a prompt one, stamp, age and the like are the clock's arrays, and here copies.

@@ -10,6 +10,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import Aim, Context, Draws, Noise, NoiseStep, State
 from amorsim.core.draws import Medians, stream_key
 from amorsim.core.error_text import RAISED
@@ -21,7 +22,6 @@ from amorsim.simulation.error_context import ErrorContext, array_problem
 
 __all__ = ["Chain", "Streams"]
 
-Array = npt.NDArray[np.float64]
 Steps = list[tuple[NoiseStep, Draws]]
 
 

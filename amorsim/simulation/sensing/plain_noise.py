@@ -6,15 +6,12 @@ import itertools
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.core.noise_steps import NoiseProgram
 from amorsim.kernels.number_checks import has_nan
 from amorsim.simulation.sensing.device import Device
 
 __all__ = ["PlainNoise"]
-
-Array = npt.NDArray[np.float64]
 
 
 class PlainNoise:

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.core.arguments import check_text
 from amorsim.core.error_text import in_words
@@ -23,8 +22,6 @@ from amorsim.simulation.handle import RobotHandle
 from amorsim.simulation.state.regroup import chains_of, regrouped
 
 __all__ = ["hand_over", "move", "set_parameter", "with_other_chain"]
-
-Array = npt.NDArray[np.float64]
 
 
 def move(fleet: Fleet, moves: Sequence[tuple[RobotHandle, tuple[float, ...]]], kind: str) -> None:

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Iterable
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import AnyArray, Bools
 from amorsim.simulation.contact.resolve import WALL
 from amorsim.simulation.fleet.fleet import Fleet
 from amorsim.simulation.fleet.group import Group
@@ -16,7 +15,7 @@ from amorsim.simulation.fleet.group import Group
 __all__ = ["digest_of", "gathered", "touching_robots"]
 
 
-def gathered(fleet: Fleet, of: Callable[[Group], npt.NDArray[Any]]) -> npt.NDArray[Any]:
+def gathered(fleet: Fleet, of: Callable[[Group], AnyArray]) -> AnyArray:
     """An array of all groups' rows, read-only, as one `(N, ...)`."""
     if len(fleet.groups) == 1:
         whole = of(fleet.groups[0]).copy()
@@ -28,7 +27,7 @@ def gathered(fleet: Fleet, of: Callable[[Group], npt.NDArray[Any]]) -> npt.NDArr
     return whole
 
 
-def touching_robots(fleet: Fleet) -> npt.NDArray[np.bool_]:
+def touching_robots(fleet: Fleet) -> Bools:
     """Whether each robot or one of its parts touches something that it moves towards, `(N,)`."""
     world = fleet.world
     found = np.zeros((len(fleet.replicas), world.count), dtype=bool)

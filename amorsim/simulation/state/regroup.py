@@ -11,8 +11,8 @@ from typing import Any
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import AnyArray
 from amorsim.contracts import Estimate, Frame, Measurement
 from amorsim.core.rows import signature
 from amorsim.scenario.reading.chains import chain_at, paths_of_chains, with_chain
@@ -26,7 +26,7 @@ from amorsim.simulation.state.snapshot import Snapshot
 __all__ = ["Chains", "chains_of", "frames_as", "other_chains", "regrouped"]
 
 Chains = Mapping[str, tuple[NoiseElement, ...]]
-Tables = Mapping[str, Mapping[str, npt.NDArray[Any]]]
+Tables = Mapping[str, Mapping[str, AnyArray]]
 
 
 def chains_of(robot: Robot) -> Chains:
@@ -105,14 +105,14 @@ def _carry(source: Group | ObstacleGroup, from_rows: Any, group: Group | Obstacl
                 states[where][name] = _with_rows(states[where][name], rows, array[from_rows])
 
 
-def _is_alike(held: Mapping[str, npt.NDArray[Any]], other: Mapping[str, npt.NDArray[Any]]) -> bool:
+def _is_alike(held: Mapping[str, AnyArray], other: Mapping[str, AnyArray]) -> bool:
     """Whether two tables have the same arrays; the numbers of rows may differ."""
     return held.keys() == other.keys() and all(
         array.shape[1:] == other[name].shape[1:] and array.dtype == other[name].dtype for name, array in held.items()
     )
 
 
-def _with_rows(array: npt.NDArray[Any], rows: Any, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+def _with_rows(array: AnyArray, rows: Any, values: AnyArray) -> AnyArray:
     changed = array.copy()
     changed[rows] = values
     return changed
@@ -158,7 +158,7 @@ def _merged(names: tuple[str, ...], groups: list[Group]) -> Frame:
     frames = [group.frame() for group in groups]
     first = frames[0]
 
-    def rows(parts: Sequence[npt.NDArray[Any]]) -> npt.NDArray[Any]:
+    def rows(parts: Sequence[AnyArray]) -> AnyArray:
         return np.concatenate(parts)[order]
 
     specified = [robot for group in groups for robot in group.specified]

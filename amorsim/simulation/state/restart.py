@@ -5,8 +5,8 @@ from __future__ import annotations
 import operator
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Bools
 from amorsim.core.errors import SnapshotError
 from amorsim.simulation import phases
 from amorsim.simulation.fleet.fleet import Fleet
@@ -16,7 +16,7 @@ from amorsim.simulation.state.snapshot import Snapshot, fits, from_bytes, put_ba
 __all__ = ["begin_episode", "fleet_fitting"]
 
 
-def begin_episode(fleet: Fleet, which: npt.NDArray[np.bool_]) -> None:
+def begin_episode(fleet: Fleet, which: Bools) -> None:
     """Begin a new episode in the replicas marked in `which` `(R,)`; the others stay as they are.
 
     Beginning costs as much for one replica as for all. So where some begin, the next episodes of all are begun at once
@@ -50,7 +50,7 @@ def _begin_all(fleet: Fleet) -> None:
     phases.first_look(fleet)
 
 
-def _are_next(fleet: Fleet, which: npt.NDArray[np.bool_]) -> bool:
+def _are_next(fleet: Fleet, which: Bools) -> bool:
     """Whether the kept episodes are the next ones of the replicas marked in `which`, with the present parameters."""
     kept = fleet.upcoming
     return (

@@ -10,8 +10,8 @@ from typing import Any
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import AnyArray, Bools, Ints
 from amorsim.core.errors import SnapshotError
 from amorsim.simulation.fleet.alike import group_key
 from amorsim.simulation.fleet.fleet import Fleet
@@ -19,8 +19,7 @@ from amorsim.simulation.fleet.group import Group
 
 __all__ = ["Snapshot", "copy_state", "fits", "from_bytes", "put_back", "take_snapshot"]
 
-Arrays = dict[str, npt.NDArray[Any]]
-Bools = npt.NDArray[np.bool_]
+Arrays = dict[str, AnyArray]
 
 
 @attrs.frozen(kw_only=True)
@@ -39,8 +38,8 @@ class Snapshot:
 
     seed: int
     replicas: tuple[int, ...]
-    ticks: npt.NDArray[np.int64]
-    episodes: npt.NDArray[np.int64]
+    ticks: Ints
+    episodes: Ints
     groups: tuple[GroupSnapshot, ...]
     touching: frozenset[tuple[int, int]]
     contacts: frozenset[tuple[int, int]]
@@ -131,7 +130,7 @@ def _have_same_chains(group: Any, held: GroupSnapshot) -> bool:
     return group_key(group.specified[0]) == group_key(held.specified[0])
 
 
-def _form(tables: Mapping[str, Mapping[str, npt.NDArray[Any]]]) -> dict[str, dict[str, tuple[Any, ...]]]:
+def _form(tables: Mapping[str, Mapping[str, AnyArray]]) -> dict[str, dict[str, tuple[Any, ...]]]:
     return {where: {name: (array.shape, array.dtype) for name, array in held.items()} for where, held in tables.items()}
 
 
@@ -160,12 +159,12 @@ def put_back(fleet: Fleet, snapshot: Snapshot, which: Bools) -> None:
     fleet.tell_time()
 
 
-def _copy_arrays(arrays: Mapping[str, Mapping[str, npt.NDArray[Any]]]) -> dict[str, Arrays]:
+def _copy_arrays(arrays: Mapping[str, Mapping[str, AnyArray]]) -> dict[str, Arrays]:
     """A copy, two tables deep."""
     return {unit: {name: array.copy() for name, array in held.items()} for unit, held in arrays.items()}
 
 
-def copy_state(where: str, state: Mapping[str, npt.NDArray[Any]]) -> Arrays:
+def copy_state(where: str, state: Mapping[str, AnyArray]) -> Arrays:
     """A copy of a component's state; each object in it (a user's controllers) is copied.
 
     Raises

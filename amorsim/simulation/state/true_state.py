@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Ints
 from amorsim.contracts import TrueState
 from amorsim.core.errors import AmorsimError
 from amorsim.core.unknown_names import no_such
@@ -14,9 +14,6 @@ from amorsim.simulation.state.gathering import gathered, touching_robots
 from amorsim.simulation.world.world import World
 
 __all__ = ["true_state"]
-
-Array = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 
 def true_state(fleet: Fleet, rows: Ints | None = None) -> TrueState:

@@ -6,8 +6,8 @@ import functools
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.core.shapes import Shape, pack
 from amorsim.kernels.collision import clearance as contact_kernels
 from amorsim.kernels.collision import footprints as body_kernels
@@ -15,10 +15,6 @@ from amorsim.kernels.collision.footprints import Bodies
 from amorsim.simulation.world.world import World
 
 __all__ = ["find_touched"]
-
-Array = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
-Bools = npt.NDArray[np.bool_]
 
 
 def find_touched(world: World, own: Ints, zones: Sequence[Shape], which: Ints) -> Bools:

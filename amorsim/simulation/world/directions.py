@@ -6,13 +6,12 @@ import functools
 import math
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.kernels.kinematics import poses
 
 __all__ = ["Table", "cone_bearings", "cone_directions", "directions_of"]
 
-Array = npt.NDArray[np.float64]
 Table = tuple[Array, Array]
 """Cosines and sines of beams, (1, k) or one row for each origin."""
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.contracts import FloorPoints
 from amorsim.core.shapes import Shape, pack
 from amorsim.kernels.sensing import floor_layers as floors
@@ -14,8 +14,6 @@ from amorsim.scenario.floor import Floor
 from amorsim.scenario.pose import Pose
 
 __all__ = ["FloorPlan"]
-
-Array = npt.NDArray[np.float64]
 
 
 class _Layer:

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Ints
 from amorsim.contracts import Sightings
 from amorsim.core.execution.workers import in_turn
 from amorsim.kernels.raycast import beyond, body_normals, bresenham, rays, scans
@@ -18,8 +18,6 @@ from amorsim.simulation.world.world import World
 
 __all__ = ["bind_look", "bind_walls", "find_landmarks", "look_about", "normals_at"]
 
-Array = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 _FEW = 20  # beams of different directions; for fewer, sorting costs more than it saves
 _AHEAD, _STRAIGHT = np.ones((1, 1)), np.zeros((1, 1))  # cosine and sine of the bearing of one beam

@@ -7,16 +7,13 @@ from typing import Any
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Ints
 from amorsim.contracts import Lights
 from amorsim.scenario.spec import Floor, Landmark, Light, Obstacle, Robot
 from amorsim.simulation.world.floor import FloorPlan
 
 __all__ = ["Surroundings"]
-
-Array = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 
 @attrs.frozen(kw_only=True, eq=False)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Ints
 from amorsim.contracts import Neighbours
 from amorsim.kernels.behaviours.neighbours import Crowd, Looking, find_neighbours
 from amorsim.kernels.collision.body_hash import hash_bodies
@@ -12,8 +12,6 @@ from amorsim.simulation.world.world import World, empty_hash
 
 __all__ = ["neighbours_of"]
 
-Array = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 _CELLS = 4
 """Cells of the hash along the longest range: more cells cost look-ups, fewer cost tests of bodies beyond it."""

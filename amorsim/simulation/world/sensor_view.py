@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.contracts import BodyStates, Directions, Emissions, FloorPoints, Lights, Neighbours, Sightings
 from amorsim.core.errors import ComponentError
 from amorsim.core.execution.workers import Workers, in_turn
@@ -24,8 +24,6 @@ from amorsim.simulation.world.world import CONE_WORK, World
 
 __all__ = ["GroupView"]
 
-Array = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 _NO_RAYS: Ints = np.empty(0, dtype=np.int64)  # for calls that do not need which ray is the nearest
 
@@ -33,15 +31,15 @@ _NO_RAYS: Ints = np.empty(0, dtype=np.int64)  # for calls that do not need which
 class GroupView:
     """The world as the sensors of a group see it (`amorsim.contracts.View`)."""
 
-    def __init__(self, world: World, rows: npt.NDArray[np.int64], dt: float) -> None:
+    def __init__(self, world: World, rows: Ints, dt: float) -> None:
         self.rows = len(rows)
         self.dt = dt
         self._world = world
         self._bodies = rows  # the global body of each row
         self._bearings: dict[bytes, Table] = {}
         # The body that carries each ray's origin, and its replica, by the number of origins per row.
-        self._carriers: dict[int, tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]] = {}
-        self.tick: npt.NDArray[np.int64] = np.zeros((self.rows, 1), dtype=np.int64)
+        self._carriers: dict[int, tuple[Ints, Ints]] = {}
+        self.tick: Ints = np.zeros((self.rows, 1), dtype=np.int64)
         self.body_pose: Array = np.zeros((self.rows, 3))
         self.twist: Array = np.zeros((self.rows, 3))
         self.joints: Array = np.zeros((self.rows, 0))
@@ -191,7 +189,7 @@ class GroupView:
             )
         return normals_at(self._world, own, origins, bearings, bodies)
 
-    def touches(self, zones: Sequence[Shape], which: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
+    def touches(self, zones: Sequence[Shape], which: Ints) -> Bools:
         """Whether zones touch something; see `amorsim.contracts.View.touches`."""
         return find_touched(self._world, self._bodies, zones, which)
 

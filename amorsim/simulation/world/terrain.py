@@ -7,8 +7,8 @@ from typing import Any, Self
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Ints
 from amorsim.core.errors import AmorsimError
 from amorsim.core.execution.memory import memory_of_machine
 from amorsim.core.maps.map import Map
@@ -17,7 +17,6 @@ from amorsim.worlds.made import MadeWorld
 
 __all__ = ["MOST_BYTES", "Terrain", "Terrains", "bytes_of", "map_limit"]
 
-Ints = npt.NDArray[np.int64]
 
 MOST_BYTES = 4_000_000_000
 """The maps of all replicas take no more memory than this [bytes], nor more than half of what the machine has."""

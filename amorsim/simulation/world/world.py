@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import Array, Bools, Ints
 from amorsim.core.execution.workers import Workers, in_turn
 from amorsim.core.maps.map import Map
 from amorsim.core.shapes import Shape, pack
@@ -23,8 +24,6 @@ from amorsim.simulation.world.terrain import Terrain
 
 __all__ = ["CONE_WORK", "Emitted", "World", "empty_hash"]
 
-Array = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 CONE_WORK = 16
 """Cost of a cone, in rays."""
@@ -40,7 +39,7 @@ class Emitted(NamedTuple):
 
     poses: Array  # (R, e, 3)
     half_angle: Array  # (R, e)
-    fired: npt.NDArray[np.bool_]  # (R, e)
+    fired: Bools  # (R, e)
     time: Array  # (R, e)
     body: Ints  # (R, e)
     sensor: npt.NDArray[np.str_]  # (e,)
@@ -195,9 +194,7 @@ class World:
             self._hashed = poses
         return self._hash
 
-    def pairs_within(
-        self, poses: Array, margin: Array, looks: npt.NDArray[np.bool_] | None = None
-    ) -> tuple[Ints, Ints]:
+    def pairs_within(self, poses: Array, margin: Array, looks: Bools | None = None) -> tuple[Ints, Ints]:
         """The pairs of bodies of one replica whose circles, each grown by its margin `(T,)` [m], meet; in order.
 
         Bodies of one owner are not a pair. If `looks` `(T,)` is given, it marks at least one body of each pair.

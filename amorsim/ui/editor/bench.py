@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.core.errors import AmorsimError
 from amorsim.scenario.reading.partial import Partial
 from amorsim.scenario.spec import Robot, Scenario
@@ -15,7 +15,6 @@ from amorsim.studies.preview import preview_noise, preview_square
 
 __all__ = ["noise_bars", "square_paths", "starts_by_name"]
 
-Array = npt.NDArray[np.float64]
 
 SIDE, REPLICAS = 10.0, 20  # m
 MOST_POINTS = 120  # of a path

@@ -9,8 +9,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.ui.run_page.packed_tables import SeriesWriter
 from amorsim.ui.simulator.frames.packing import Dynamic
 from amorsim.ui.simulator.sources.past import Places
@@ -18,7 +18,6 @@ from amorsim.ui.simulator.sources.recording import Recording
 
 __all__ = ["contents_of"]
 
-Array = npt.NDArray[np.float64]
 
 RATE = 20.0  # moments a second that are kept
 MOST_MOMENTS = 6000

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any, TypedDict
+from typing import TypedDict
 
 import numpy as np
-import numpy.typing as npt
+
+from amorsim.arrays import AnyArray, Array
 
 __all__ = ["Series", "SeriesWriter", "read_series"]
 
@@ -34,7 +35,7 @@ class SeriesWriter:
     def __init__(self) -> None:
         self.data = bytearray()
 
-    def add(self, table: npt.NDArray[Any], *, digits: int = DIGITS, finest: int = -4) -> Series:
+    def add(self, table: AnyArray, *, digits: int = DIGITS, finest: int = -4) -> Series:
         """Append a table `(rows, width)` of finite numbers, nan and infinities.
 
         Parameters
@@ -60,7 +61,7 @@ class SeriesWriter:
         return series
 
 
-def read_series(data: bytes | bytearray, series: Series) -> npt.NDArray[np.float64]:
+def read_series(data: bytes | bytearray, series: Series) -> Array:
     """The table that was added, rounded as `SeriesWriter.add` did; the page's script does the same."""
     count = series["rows"] * series["width"]
     planes = np.frombuffer(data, np.uint8, 4 * count, series["at"]).reshape(4, count)

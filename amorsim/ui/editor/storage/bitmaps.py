@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image, UnidentifiedImageError
 
+from amorsim.arrays import Bools
 from amorsim.core.errors import AmorsimError
 from amorsim.core.numbers import is_number
 from amorsim.ui.editor.inspectors.walls import WallsError
@@ -143,7 +144,7 @@ def filled(text: str, row: int, column: int, *, is_occupied: bool) -> str:
     return "\n".join(lines)
 
 
-def _area(same: npt.NDArray[np.bool_], row: int, column: int) -> npt.NDArray[np.bool_]:
+def _area(same: Bools, row: int, column: int) -> Bools:
     """The pixels that are joined to one over edges, span by span."""
     rows, columns = same.shape
     found = np.zeros_like(same)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import AnyArray, Array
 from amorsim.contracts import Frame, Measurement
 from amorsim.core.poses import compose, logarithm, relative
 from amorsim.simulation.simulation import Simulation
@@ -25,7 +26,6 @@ __all__ = [
     "with_beliefs",
 ]
 
-Array = npt.NDArray[np.float64]
 
 _MOST_PARTICLES = 3000  # that a frame has; of more, every second or third
 
@@ -126,7 +126,7 @@ def _with_beliefs(simulation: Simulation, robot: int, selected: Selected) -> Sel
     return with_beliefs(selected, frame.beliefs, row)
 
 
-def with_beliefs(selected: Selected, found_beliefs: Mapping[str, Mapping[str, npt.NDArray[Any]]], row: int) -> Selected:
+def with_beliefs(selected: Selected, found_beliefs: Mapping[str, Mapping[str, AnyArray]], row: int) -> Selected:
     """Adds the particles and hypotheses in a row of the first estimator whose beliefs have any."""
     for beliefs in found_beliefs.values():
         if "particles" in beliefs and "weights" in beliefs:

@@ -6,15 +6,14 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import AnyArray, Array
 from amorsim.contracts import Beliefs, Drive, Sensor
 from amorsim.simulation.simulation import Simulation
 from amorsim.ui.simulator.frames.protocol import Intended, IntendedArc, IntendedVelocities
 
 __all__ = ["NO_INTENTION", "ahead", "intended_in", "intended_of"]
 
-Array = npt.NDArray[np.float64]
 
 _ON_ARC = 9  # points that draw an arc
 # The beliefs that are drawn: how many axes a row has, and how long the last is; None for any length.
@@ -103,13 +102,13 @@ def intended_in(beliefs: Beliefs, row: int, pose: Array, controller: Any, *, is_
     return found
 
 
-def _is_drawn(name: str, array: npt.NDArray[Any]) -> bool:
+def _is_drawn(name: str, array: AnyArray) -> bool:
     """Whether a belief is one that a window draws."""
     axes, last = _SHAPES.get(name, (0, None))
     return array.ndim == axes + 1 and axes > 0 and last in (None, array.shape[-1])
 
 
-def _of_row(beliefs: Beliefs, name: str, row: int) -> npt.NDArray[Any]:
+def _of_row(beliefs: Beliefs, name: str, row: int) -> AnyArray:
     """A row's belief; empty, and of the same dimensions, where there are no rows."""
     array = beliefs[name]
     return array[row] if len(array) else np.empty((0, *array.shape[2:]))

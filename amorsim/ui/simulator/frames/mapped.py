@@ -5,18 +5,16 @@ from __future__ import annotations
 import base64
 import io
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from PIL import Image
 
+from amorsim.arrays import AnyArray, Array
 from amorsim.simulation.simulation import Simulation
 from amorsim.ui.simulator.frames.protocol import Mapped, MappedCells
 
 __all__ = ["mapped_in", "mapped_of"]
 
-Array = npt.NDArray[np.float64]
 
 _MOST_PIXELS = 1_000_000
 _FREE, _OCCUPIED = 28, 235  # opacities; what was never seen is clear
@@ -28,7 +26,7 @@ def mapped_of(simulation: Simulation, robot: str) -> list[Mapped]:
     return mapped_in(frame.beliefs, list(frame.names).index(robot))
 
 
-def mapped_in(found_beliefs: Mapping[str, Mapping[str, npt.NDArray[Any]]], row: int) -> list[Mapped]:
+def mapped_in(found_beliefs: Mapping[str, Mapping[str, AnyArray]], row: int) -> list[Mapped]:
     """The maps in the beliefs of each estimator of a row, in their order."""
     found: list[Mapped] = []
     for name in found_beliefs:

@@ -14,6 +14,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import Array
+
 __all__ = [
     "BLOCKS",
     "FRAME_HEADER",
@@ -29,7 +31,6 @@ __all__ = [
     "unpack_frame",
 ]
 
-Array = npt.NDArray[np.float64]
 
 MAGIC = b"amf1"
 

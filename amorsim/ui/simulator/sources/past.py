@@ -7,8 +7,8 @@ import copy
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array, Ints
 from amorsim.simulation.simulation import Simulation
 from amorsim.ui.simulator.frames.frames import Before, selected_of, upper_triangle
 from amorsim.ui.simulator.frames.packing import Selected
@@ -16,8 +16,6 @@ from amorsim.ui.simulator.frames.protocol import Past
 
 __all__ = ["Pasts", "Places", "past_of"]
 
-Array = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 FEW = 8  # up to this many robots have their past kept, watched or not
 MOST = 6000  # moments of a robot; when it is full, every other of the older half goes

@@ -7,20 +7,18 @@ import functools
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from amorsim.analysis.run_files import belief_arrays
+from amorsim.arrays import AnyArray, Array
 from amorsim.core.errors import RunError
 from amorsim.runs.array_files import read_arrays
 from amorsim.runs.moments import Cells, TimedLines
 
 __all__ = ["Beliefs", "RecordedFiles"]
 
-Array = npt.NDArray[np.float64]
-Beliefs = Mapping[str, Mapping[str, npt.NDArray[Any]]]
+Beliefs = Mapping[str, Mapping[str, AnyArray]]
 
 _POSE = ("x", "y", "heading")
 _COVARIANCE = ("xx", "xy", "xh", "yy", "yh", "hh")
@@ -58,7 +56,7 @@ class RecordedFiles:
         self._files: dict[str, TimedLines | None] = {}
         self._poses = self._opened("poses")
         self._files["poses"] = self._poses
-        self._arrays: dict[Path, dict[str, npt.NDArray[Any]]] = {}  # the last that were read, of each estimator
+        self._arrays: dict[Path, dict[str, AnyArray]] = {}  # the last that were read, of each estimator
         self._at: dict[str, list[tuple[int, Path]]] = {}
 
     def close(self) -> None:
@@ -191,7 +189,7 @@ class RecordedFiles:
         found = {name: self.beliefs_of(name, tick, robot)[1] for name in names}
         return {name: beliefs for name, beliefs in found.items() if beliefs}
 
-    def beliefs_of(self, name: str, tick: int, robot: str) -> tuple[int, Mapping[str, npt.NDArray[Any]]]:
+    def beliefs_of(self, name: str, tick: int, robot: str) -> tuple[int, Mapping[str, AnyArray]]:
         """The beliefs `(1, ...)` of one estimator of a robot, or ``"controller"``, and their tick."""
         if not self._array_files(name):
             return tick, self._small_beliefs(name, tick, robot)
@@ -211,7 +209,7 @@ class RecordedFiles:
         """The names of estimators and controllers whose beliefs were written."""
         return sorted({path.stem for path in (self._folder / "beliefs").glob("*") if not path.name.startswith(".")})
 
-    def _small_beliefs(self, name: str, tick: int, robot: str) -> dict[str, npt.NDArray[Any]]:
+    def _small_beliefs(self, name: str, tick: int, robot: str) -> dict[str, AnyArray]:
         """Beliefs `(1, ...)` of a robot from a text file; none if it has no line of the tick."""
         columns = [column for column in self.columns(f"beliefs/{name}") if column not in ("replica", "time", "robot")]
         numbers = self._bodies(f"beliefs/{name}", tick, "robot", columns, robot).get(robot)
@@ -234,9 +232,9 @@ class RecordedFiles:
         """Whether there are files of the recorder ``arrays`` of any of these estimators, or of ``"controller"``."""
         return any(self._array_files(name) for name in names)
 
-    def _read_arrays(self, path: Path) -> dict[str, npt.NDArray[Any]]:
+    def _read_arrays(self, path: Path) -> dict[str, AnyArray]:
         if path not in self._arrays:
-            arrays: dict[str, npt.NDArray[Any]] = {}
+            arrays: dict[str, AnyArray] = {}
             try:
                 arrays = read_arrays(path)
             except RunError as error:
@@ -246,7 +244,7 @@ class RecordedFiles:
             self._arrays[path] = arrays
         return self._arrays[path]
 
-    def _row(self, arrays: Mapping[str, npt.NDArray[Any]], robot: str) -> int | None:
+    def _row(self, arrays: Mapping[str, AnyArray], robot: str) -> int | None:
         if not {"robot", "replica"} <= set(arrays):
             return None
         rows = np.flatnonzero((arrays["robot"] == robot) & (arrays["replica"] == self.replica))

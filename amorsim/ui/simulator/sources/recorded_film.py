@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.core.errors import RunError
 from amorsim.core.unknown_names import no_such
 from amorsim.runs.manifest import read_about
@@ -17,8 +17,6 @@ from amorsim.ui.simulator.sources.recorded import RecordedFiles
 from amorsim.ui.simulator.sources.recorded_scene import RecordedScene
 
 __all__ = ["film_recorded"]
-
-Array = npt.NDArray[np.float64]
 
 
 def film_recorded(

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import Array
 from amorsim.core.errors import RunError
 from amorsim.core.files.json_files import parse_json
 from amorsim.core.rows import stack
@@ -31,7 +32,6 @@ from amorsim.ui.simulator.sources.source import Source, Track
 
 __all__ = ["Recording"]
 
-Array = npt.NDArray[np.float64]
 
 MOST_EVENTS = 20_000  # of a replica
 MOST_OF_PAST = 500  # moments that plots have

@@ -7,9 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
-import numpy.typing as npt
-
+from amorsim.arrays import Array
 from amorsim.simulation.events import Event
 from amorsim.ui.simulator.frames.intended import NO_INTENTION
 from amorsim.ui.simulator.frames.packing import Dynamic, FrameFlag
@@ -24,7 +22,7 @@ class Track(NamedTuple):
     """The past of a robot: ticks, true and estimated poses side by side `(n, 6)`, and other plotted values."""
 
     ticks: list[int]
-    poses: npt.NDArray[np.float64]
+    poses: Array
     past: Past
 
 

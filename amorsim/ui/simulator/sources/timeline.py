@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.arrays import AnyArray, Array
 from amorsim.core.errors import SnapshotError
 from amorsim.simulation.simulation import Simulation
 from amorsim.simulation.state.snapshot import Snapshot
 
 __all__ = ["MOST_BYTES_OF_SNAPSHOTS", "Paths", "Snapshots"]
 
-Array = npt.NDArray[np.float64]
 
 MOST_BYTES_OF_PATHS = 64_000_000
 MOST_MOMENTS = 100_000  # of a path: at full speed, a single robot would take minutes to fill the bytes
@@ -152,7 +151,7 @@ class Snapshots:
         return self._size * len(self._held)
 
 
-def _arrays(snapshot: Snapshot) -> Iterator[npt.NDArray[Any]]:
+def _arrays(snapshot: Snapshot) -> Iterator[AnyArray]:
     for group in snapshot.groups:
         for held in (*group.arrays.values(), *group.states.values()):
             yield from held.values()
