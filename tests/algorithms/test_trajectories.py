@@ -52,6 +52,7 @@ def test_two_points_and_collinear_ones_are_enough(points: list[tuple[float, floa
     assert umeyama(poses[:, :2], true.apply(poses)[:, :2]) == pytest.approx(true, abs=1e-12)
 
 
+@pytest.mark.long
 @given(st.integers(0, 30), st.integers(2, 10))
 def test_mirrored_points_are_turned_and_not_mirrored(seed: int, count: int) -> None:
     points = walk(count, seed)[:, :2]

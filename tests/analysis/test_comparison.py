@@ -193,6 +193,7 @@ def test_systems_without_a_common_seed_are_refused() -> None:
         paired({"a": {(1, 0): [1.0]}, "b": {(2, 0): [1.0]}}, LOWER)
 
 
+@pytest.mark.long
 def test_studies_and_axes_are_compared(tmp_path: Path) -> None:
     both = am.sweep(tables(tmp_path / "s", replicas=20, seeds=[1, 2]), tmp_path / "both")
     along = compare(both, axis=TRACK)

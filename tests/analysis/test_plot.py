@@ -76,6 +76,7 @@ def test_each_channel_has_its_colour(pictures: dict[str, Path], kind: str, shown
     assert seen == shown
 
 
+@pytest.mark.long
 def test_the_figures_say_what_the_files_say(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Lines, labels with units, and differences, before they become pixels."""
     from matplotlib.figure import Figure
@@ -199,6 +200,7 @@ def labelled(axis: Any) -> dict[str, Any]:
     return {line.get_label(): line for line in axis.get_lines()}
 
 
+@pytest.mark.long
 def test_pictures_carry_run_robot_seed_and_replica(spread: Path, figures: dict[str, Any]) -> None:
     for robot in ("alpha", "rover"):
         for replica in (2, None):

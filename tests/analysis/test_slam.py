@@ -39,6 +39,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.long
 def test_a_folder_has_each_moment_of_the_log_without_truth(recorded: Path, tmp_path: Path) -> None:
     slam(recorded, robot_of(recorded), "graph", progress=False, out=tmp_path / "out", resolution=0.1)
     here, there = (read_columns(path / "poses.csv", "") for path in (tmp_path / "out", recorded))
@@ -63,6 +64,7 @@ def test_a_folder_has_each_moment_of_the_log_without_truth(recorded: Path, tmp_p
         slam(recorded, robot_of(recorded), "graph", progress=False, out=tmp_path / "out")
 
 
+@pytest.mark.long
 def test_a_long_log_has_fewer_moments_and_holds_the_estimate_between_two_entries(tmp_path: Path) -> None:
     robot = building.robot(name="rover", pose=am.Pose(x=1.0, y=1.0), sensors=building.all_sensors())
     runner = am.EstimatorRunner(robot, am.estimators.DeadReckoning(encoder="encoder"))
@@ -81,6 +83,7 @@ def test_a_long_log_has_fewer_moments_and_holds_the_estimate_between_two_entries
     assert arrived.tolist() == pytest.approx([0.0, 4000.0], abs=0.2)  # 0 s and 0.05 s are one moment
 
 
+@pytest.mark.long
 def test_an_interrupt_while_the_result_is_saved_loses_no_moment(
     recorded: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -105,6 +108,7 @@ def robot_of(folder: Path) -> am.Robot:
     return am.load(folder / "scenario.toml").robots[0]
 
 
+@pytest.mark.long
 def test_a_recorded_run_becomes_a_path_a_map_and_a_graph(recorded: Path, tmp_path: Path) -> None:
     found = slam(recorded, robot_of(recorded), "graph", progress=False)
     true, _ = am.analysis.run_trajectories(recorded)

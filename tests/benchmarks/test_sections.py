@@ -126,6 +126,7 @@ def test_mapping_is_timed() -> None:
     assert rows[0].rounds[0] > rows[1].rounds[0]
 
 
+@pytest.mark.long
 def test_environments_for_learners_are_timed() -> None:
     pytest.importorskip("gymnasium", reason="the extra 'learn' is not installed")
     from benchmarks import learning

@@ -24,6 +24,7 @@ def test_room_has_forty_walls_inside_ten_metres() -> None:
     assert walls.max() == 10.0
 
 
+@pytest.mark.long
 def test_room_without_lines_has_the_same_cells() -> None:
     lines, bitmap = worlds.line_room(), worlds.bitmap_room()
     assert bitmap.map.segments is None

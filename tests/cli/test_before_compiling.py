@@ -129,6 +129,7 @@ def test_the_words_of_what_comes_with_amorsim_have_no_faults(amorsim: Command, n
         amorsim("run", name)
 
 
+@pytest.mark.long
 def test_to_look_at_the_words_compiles_nothing_in_truth(study: Path, tmp_path: Path) -> None:
     cache = tmp_path / "cache"
     ended = subprocess.run(

@@ -32,6 +32,7 @@ def test_version(amorsim: Command) -> None:
     assert amorsim("--version").out.startswith("amorsim 0.")
 
 
+@pytest.mark.long
 def test_check_prints_a_resolved_scenario_that_runs_as_it_is(amorsim: Command, study: Path, tmp_path: Path) -> None:
     assert amorsim("check", study).out == f"{study}: no faults; 8.00 m x 5.00 m, 1 robot (rover)\n"
     result = amorsim("check", study, "--resolved", "--set", "simulation.seed=77")
@@ -79,6 +80,7 @@ def test_new_makes_what_runs_and_replaces_nothing(amorsim: Command, tmp_path: Pa
     assert (tmp_path / "deep" / "mine" / "controller.py").read_text() == "# mine"
 
 
+@pytest.mark.long
 def test_the_new_controller_keeps_off_the_walls(study: Path, tmp_path: Path) -> None:
     for seed in range(3):
         summary = am.run(am.load(study), tmp_path / str(seed), seed=seed)
@@ -150,6 +152,7 @@ def test_plot_without_matplotlib_says_how_to_get_it(
     assert 'python -m pip install "amorsim[plot]"' in result.err
 
 
+@pytest.mark.long
 def test_a_resolved_scenario_tells_of_sensors_without_a_rate(amorsim: Command, study: Path) -> None:
     remark = "# rate: none is given, so it reads in every step"
     whole = amorsim("check", study, "--resolved").out
@@ -158,6 +161,7 @@ def test_a_resolved_scenario_tells_of_sensors_without_a_rate(amorsim: Command, s
     assert "rate = 5" in some
 
 
+@pytest.mark.long
 def test_check_tells_the_maps_warnings_also_where_there_are_faults(amorsim: Command, study: Path) -> None:
     world = study.parent / "rooms.wld"
     world.write_text(world.read_text(encoding="utf-8") + "\nnonsense 1 2\n", encoding="utf-8")

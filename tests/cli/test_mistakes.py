@@ -155,6 +155,7 @@ def test_a_controller_that_fails_on_the_way_says_where_the_files_are(amorsim: Co
     assert len((tmp_path / "run" / "poses.csv").read_text().splitlines()) == 7
 
 
+@pytest.mark.long
 def test_checking_ends_a_controller_that_does_not(amorsim: Command, tmp_path: Path) -> None:
     """And says what else is wrong; nothing of the controller runs in this process."""
     path = make_study(tmp_path / "study", "while True:\n    pass\n\n\ndef drive(r, e, c, speed):\n    pass\n")

@@ -11,6 +11,7 @@ import amorsim as am
 from tests.cli.conftest import Command
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", [pytest.param("crowd", marks=pytest.mark.long), "doors"])
 def test_it_runs_reproduces_and_is_filmed(amorsim: Command, tmp_path: Path, name: str) -> None:
     result = amorsim("run", name, "--duration", "0.5", "--out", "run", "--gif", "run.gif", "--gif-size", "240")

@@ -64,6 +64,7 @@ def test_several_kinds_are_one_package_with_types(amorsim: Command, tmp_path: Pa
     ]
 
 
+@pytest.mark.long
 def test_all_templates_are_typed_as_strictly_as_amorsim(amorsim: Command, tmp_path: Path) -> None:
     assert amorsim("new", "parts", *(word for kind in KINDS for word in ("--plugin", kind))).status == 0
     done = subprocess.run(

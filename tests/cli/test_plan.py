@@ -28,6 +28,7 @@ def rooms(tmp_path: Path) -> str:
     return "rooms.yaml"
 
 
+@pytest.mark.long
 def test_a_path_is_printed_and_drawn(amorsim: Command, rooms: str, tmp_path: Path) -> None:
     result = amorsim("plan", rooms, *ENDS, "--planner", "theta_star", "--footprint", "0.2")
     assert (result.status, result.err) == (0, "")
@@ -44,6 +45,7 @@ def test_a_path_is_printed_and_drawn(amorsim: Command, rooms: str, tmp_path: Pat
     assert blues.sum() > 10_000
 
 
+@pytest.mark.long
 def test_no_path_has_a_status_and_a_picture(amorsim: Command, rooms: str, tmp_path: Path) -> None:
     wide = ("--from", "1.05,1.05", "--to", "5.05,1.05", "--footprint", "0.9x0.8", "-o", "wide.png")
     result = amorsim("plan", rooms, *wide)
@@ -56,6 +58,7 @@ def test_no_path_has_a_status_and_a_picture(amorsim: Command, rooms: str, tmp_pa
     assert "the budget of 0 cells was used up" in result.err
 
 
+@pytest.mark.long
 def test_what_is_ignored_of_the_map_is_said_once(amorsim: Command, tmp_path: Path) -> None:
     (tmp_path / "valley.map").write_text("type octile\nheight 3\nwidth 4\nmap\n....\n....\n....\n")
     result = amorsim("plan", "valley.map", "--from", "0.5,0.5", "--to", "3.5,2.5", "-o", "valley.png")
@@ -124,6 +127,7 @@ def test_it_is_said_before_the_first_plan(
     assert "once after installing" in result.out
 
 
+@pytest.mark.long
 def test_a_picture_that_is_there_is_replaced_by_force_alone(amorsim: Command, rooms: str, tmp_path: Path) -> None:
     (tmp_path / "plan.png").write_text("mine")
     result = amorsim("plan", rooms, *ENDS)

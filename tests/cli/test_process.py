@@ -82,6 +82,7 @@ def wait_for(process: subprocess.Popen[str], file: Path) -> None:
         time.sleep(0.02)
 
 
+@pytest.mark.long
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 def test_ctrl_c_leaves_whole_files_and_says_so(tmp_path: Path) -> None:
     process = begin_run(tmp_path, 0.5)
@@ -139,6 +140,7 @@ def test_ctrl_c_in_a_long_plan_ends_it_at_once(tmp_path: Path) -> None:
     assert not (tmp_path / "plan.png").exists()
 
 
+@pytest.mark.long
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 def test_ctrl_c_in_a_controller_that_does_not_return_says_where_it_was(tmp_path: Path) -> None:
     make_study(tmp_path / "study", HANGS)
@@ -173,6 +175,7 @@ def test_a_killed_run_keeps_all_but_its_last_second(tmp_path: Path) -> None:
         assert path.read_bytes().endswith(b"\n"), path
 
 
+@pytest.mark.long
 def test_a_reader_that_goes_away_is_no_error(tmp_path: Path) -> None:
     with begin(tmp_path, "check", "demo", "--resolved") as process:
         assert process.stdout is not None
@@ -190,6 +193,7 @@ def test_a_full_disk_is_reported_by_what_prints(tmp_path: Path, arguments: tuple
     assert (done.returncode, done.stderr) == (2, "what is printed cannot be written (No space left on device)\n")
 
 
+@pytest.mark.long
 @pytest.mark.skipif(os.name == "nt", reason="a shell of POSIX")
 def test_a_closed_output_is_no_error(tmp_path: Path) -> None:
     command = f"{sys.executable} -m amorsim check line >&-"

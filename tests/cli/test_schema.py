@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import pytest
+
 from amorsim.schemas import KINDS, make_schema
 from tests.cli.conftest import Command
 
@@ -30,6 +32,7 @@ def test_a_new_scenario_names_its_schema(amorsim: Command) -> None:
     assert Path("other/scenario.toml").read_text(encoding="utf-8").count("#:schema") == 1
 
 
+@pytest.mark.long
 def test_a_byte_order_mark_and_line_ends_stay(amorsim: Command) -> None:
     assert amorsim("new", "mine").status == 0
     scenario = Path("mine/scenario.toml")

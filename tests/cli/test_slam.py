@@ -38,6 +38,7 @@ def log(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.mark.long
 def test_a_log_becomes_a_folder_with_path_map_graph_and_report(amorsim: Command, log: Path, tmp_path: Path) -> None:
     result = amorsim("slam", log, "--out", "lab")
     assert result.status == 0, result.err
@@ -56,6 +57,7 @@ def test_a_log_becomes_a_folder_with_path_map_graph_and_report(amorsim: Command,
     assert "holds files already" in again.err
 
 
+@pytest.mark.long
 def test_a_folder_without_truth_is_played_and_refused_where_truth_is_needed(
     amorsim: Command, log: Path, tmp_path: Path
 ) -> None:
@@ -69,6 +71,7 @@ def test_a_folder_without_truth_is_played_and_refused_where_truth_is_needed(
         assert "was made of the log lab.log by amorsim slam, so it has no true poses" in result.err
 
 
+@pytest.mark.long
 def test_errors_in_known_relations_are_printed(amorsim: Command, log: Path, tmp_path: Path) -> None:
     path = am.analysis.slam(log, progress=False).path
     rows = []
@@ -82,6 +85,7 @@ def test_errors_in_known_relations_are_printed(amorsim: Command, log: Path, tmp_
     assert " 0.000 " in next(line for line in result.out.splitlines() if line.startswith("as known at the end"))
 
 
+@pytest.mark.long
 def test_relations_of_another_log_cost_nothing_that_was_computed(amorsim: Command, log: Path, tmp_path: Path) -> None:
     (tmp_path / "other.relations").write_text("1e9 1000000002.0 0.5 0 0 0 0 0\n")
     result = amorsim("slam", log, "--out", "lab", "--relations", "other.relations")

@@ -36,6 +36,7 @@ def _figure(output: str, line: str, column: int) -> float:
     return float(found.split()[column])
 
 
+@pytest.mark.long
 def test_umbmark_corrects_a_robot(monkeypatch: pytest.MonkeyPatch) -> None:
     status, output = amorsim(f"amorsim umbmark demo --out u --runs 2 {ERRORS}", monkeypatch)
     assert status == 0, output
@@ -120,6 +121,7 @@ def test_without_matplotlib_the_picture_is_left_out(monkeypatch: pytest.MonkeyPa
     ]
 
 
+@pytest.mark.long
 def test_a_seed_gives_the_same_files_again(monkeypatch: pytest.MonkeyPatch) -> None:
     noise = """--set 'robots.rover.ground=[{use="diffusion", variance_per_length=1e-7}]'"""
     for out, seed in (("a", 5), ("b", 5), ("c", 6)):

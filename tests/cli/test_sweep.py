@@ -143,6 +143,7 @@ def test_the_estimators_of_one_scenario_are_compared(amorsim: Command, pair: tup
     assert wrong.err.startswith("no estimator 'fliter' that all scenarios have; known: dead_reckoning, wheels, filter.")
 
 
+@pytest.mark.long
 def test_a_metric_is_taken_of_the_estimators_that_have_what_it_needs(amorsim: Command) -> None:
     result = amorsim("compare", "landmarks", "landmarks", *OF_FOUR, "--metric", "nis", "--out", "c")
     assert "nis of ekf: landmarks-1 and landmarks-2 are identical in all 4 pairs; their scenarios do not" in result.out

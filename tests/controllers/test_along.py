@@ -207,6 +207,7 @@ def test_wander_roams_with_any_drive_that_turns_in_place(name: str) -> None:
     assert np.ptp(path[:, 1]) > 2.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("name", "fov"),
     [

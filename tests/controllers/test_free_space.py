@@ -59,6 +59,7 @@ def walk(points, bearing, half_width, step=1e-3, most=4.0):
     return math.inf
 
 
+@pytest.mark.long
 @settings(max_examples=60, deadline=None)  # the first call may compile
 @given(seed=st.integers(0, 2**32 - 1), bearing=st.floats(-3.2, 3.2), half_width=st.floats(0.05, 0.6))
 def test_the_free_way_is_as_far_as_a_disc_can_be_walked(seed, bearing, half_width):

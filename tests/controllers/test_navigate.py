@@ -94,6 +94,7 @@ def test_without_a_map_it_plans_on_what_it_sees():
     assert said(simulation) == [("rover", "goal_reached", "1 of 1")]
 
 
+@pytest.mark.long
 def test_it_gives_up_a_goal_that_it_cannot_reach_and_goes_on():
     closed = [(5.0, -2.9, 5.0, -1.0), (5.0, -1.0, 7.0, -1.0), (7.0, -1.0, 7.0, -2.9), (5.0, -2.9, 7.0, -2.9)]
     controller = navigate((6.0, -2.0), (4.0, 1.0), rounds=1, stuck_after=4.0, recovery=("stop", "turn"))

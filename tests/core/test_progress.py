@@ -102,6 +102,7 @@ def test_the_bar_goes_when_work_fails(bar: Bar) -> None:
     assert bar.opened == 2
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="needs a pseudo-terminal")
 def test_in_a_terminal_it_is_drawn_and_ctrl_c_keeps_what_is_done(tmp_path: Path) -> None:
     code = (

@@ -20,10 +20,12 @@ def slam(**changes):
     return GraphSlam(**(SMALL | few | changes))
 
 
+@pytest.mark.long
 def test_it_keeps_the_contract():
     check_component(slam(match_distance=0.0, match_angle=0.0, key_distance=0.02, loop_gap=2, **FEW))
 
 
+@pytest.mark.long
 def test_it_closes_loops_and_maps_the_room():
     sim = am.Simulation(scenario(slam=slam(), wheels=DeadReckoning()))
     off = errors_of(sim, 40.0)

@@ -18,6 +18,7 @@ def slam(**changes):
     return GridSlam(**(SMALL | {"particles": 8, "match_distance": 0.2, "node_distance": 0.4} | changes))
 
 
+@pytest.mark.long
 def test_it_keeps_the_contract():
     check_component(slam(match_distance=1e-3, match_angle=1e-3, node_distance=0.0, particles=4, nodes=6))
 

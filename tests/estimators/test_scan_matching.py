@@ -17,6 +17,7 @@ def matching(**changes):
     return ScanMatching(**({"wheel_variance": 1e-3, "range_std": 0.01, "key_distance": 0.5} | changes))
 
 
+@pytest.mark.long
 def test_it_keeps_the_contract():
     check_component(matching(match_distance=0.0, match_angle=0.0, window=0.05, window_angle=0.04))
 
@@ -55,6 +56,7 @@ def test_with_a_third_of_its_beams_lost_it_hardly_drifts():
     assert errors_of(sim, 40.0)["matched"].max() < 0.03
 
 
+@pytest.mark.long
 def test_its_error_is_about_as_large_as_it_says():
     sim = am.Simulation(scenario(matched=matching()), replicas=20)
     errors_of(sim, 12.0)
@@ -68,6 +70,7 @@ def test_its_error_is_about_as_large_as_it_says():
     assert (np.linalg.eigvalsh(frame.estimates["matched"].covariance) > 0.0).all()
 
 
+@pytest.mark.long
 def test_in_a_corridor_it_says_that_nothing_tells_how_far_along_it_is():
     way = ((30.0, 1.0), (40.0, 1.0))
     sim = am.Simulation(scenario(corridor(), (26.0, 1.0, 0.0), way, matched=matching()), replicas=40)

@@ -149,6 +149,7 @@ def test_its_messages_name_it():
         Filter(Ukf(wheel_variance=WHEELS, gps="gps"))
 
 
+@pytest.mark.long
 def test_it_keeps_the_contract():
     check_component(
         Ukf(**LINEAR | {"gate": 0.999}, landmarks="marks", range_std=0.05, bearing_std=0.02),

@@ -35,7 +35,9 @@ ELSEWHERE = {DOCS / "how-to" / "write-a-plugin.md", DOCS / "how-to" / "write-a-c
 # Examples and pages that simulate for more than some seconds.
 _LONG = {
     *("crowd_crossing", "ekf_or_dead_reckoning", "snapshot", "spread", "track_until_it_fails", "wheel_error"),
-    *("calibrate", "first-run", "plan-a-path", "sweep-a-parameter"),
+    *("calibrate", "first-run", "plan-a-path", "sweep-a-parameter", "train-a-policy", "environments", "a-filter"),
+    *("from-here-to-there", "grade-submissions", "work-in-a-notebook", "from-a-log-to-a-map", "make-a-map"),
+    *("two_robots", "from-a-question-to-a-figure", "write-an-estimator"),
 }
 
 _LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
@@ -76,17 +78,20 @@ def test_a_page_does_what_it_says(path: Path, page: Page) -> None:
     assert page.ran
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("path", _marked(sorted((DOCS / "examples").glob("*.py"))), ids=lambda path: path.stem)
 def test_an_example_prints_what_stands_beside_it(path: Path) -> None:
     check_output(path.with_suffix(".out").read_text(encoding="utf-8"), _tool("make_example_outputs").output_of(path))
 
 
+@pytest.mark.long
 def test_the_page_of_components_is_up_to_date() -> None:
     tool = _tool("make_reference")
     written = tool.PAGE.read_text(encoding="utf-8")
     assert written == tool.page(), "run: python tools/make_reference.py"
 
 
+@pytest.mark.long
 def test_the_page_of_python_is_up_to_date() -> None:
     tool = _tool("make_python_reference")
     written = tool.PAGE.read_text(encoding="utf-8")

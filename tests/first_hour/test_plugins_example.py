@@ -141,6 +141,7 @@ def amorsim(*arguments: str, site: Path, cwd: Path) -> str:
 # ---------------------------------------------------------------------------------------------- write-a-plugin.md
 
 
+@pytest.mark.long
 def test_the_plugin_is_found_and_its_manual_is_as_shown(project: Path) -> None:
     shown = [block for block in blocks(PLUGIN_PAGE) if block.text.startswith("$ amorsim plugins show")]
     assert len(shown) == 1
@@ -151,6 +152,7 @@ def test_the_plugin_is_found_and_its_manual_is_as_shown(project: Path) -> None:
     assert ">= 0 and <= 1" in printed
 
 
+@pytest.mark.long
 def test_the_scenario_runs_and_loses_a_fifth_of_the_laser_s_values(project: Path) -> None:
     amorsim("run", "scenario.toml", "--out", "run", site=project.parent / "site", cwd=project)
     rows = [line.split(",") for line in (project / "run/sensors/laser.csv").read_text().splitlines()]
@@ -256,6 +258,7 @@ def test_there_are_broken_promises() -> None:
 # -------------------------------------------------------------------------------------------- the example plugins
 
 
+@pytest.mark.long
 def test_the_example_plugins_keep_their_contracts_and_run(
     monkeypatch: pytest.MonkeyPatch, modules: None, tmp_path: Path
 ) -> None:

@@ -25,6 +25,7 @@ def _command_after(text: str, before: str) -> str:
     return lines[0].partition("&&")[2].strip()
 
 
+@pytest.mark.long
 def test_the_run_command_as_written(tmp_path: Path) -> None:
     command = _command_after(README.read_text(encoding="utf-8"), "python -m pip install -e . ")
     assert command == "amorsim run demo"

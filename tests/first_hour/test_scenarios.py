@@ -11,6 +11,7 @@ import shapely
 
 import amorsim as am
 from tests.first_hour.conftest import ROOT, amorsim
+from tests.some_cases import one_in
 
 DRIVEN = (
     "car-park",
@@ -31,7 +32,7 @@ DRIVEN = (
 
 
 @pytest.mark.pictures
-@pytest.mark.parametrize("name", DRIVEN)
+@pytest.mark.parametrize("name", one_in(4, DRIVEN))
 def test_it_runs_as_it_is(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     status, said = amorsim(f"amorsim run {name} --out run --set simulation.duration=3 --quiet", monkeypatch)

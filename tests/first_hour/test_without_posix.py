@@ -86,6 +86,7 @@ def test_a_study_runs(tmp_path: Path) -> None:
     assert (tmp_path / "study" / "table.parquet").exists() or (tmp_path / "study" / "table.csv").exists()
 
 
+@pytest.mark.long
 def test_programs_are_checked_in_a_process_of_their_own(tmp_path: Path) -> None:
     _amorsim(tmp_path, "new", "mine")
     code = "import amorsim as am\nprint(am.check_code(am.load('mine/scenario.toml'), time_limit=20.0))\n"

@@ -73,6 +73,7 @@ def test_some_inputs(name: str, tmp_path: Path) -> None:
     assert fuzz(name, tmp_path, 60, SEED) == []
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform != "linux", reason="limits are set as Linux has them")
 def test_the_fuzzers_tell_what_goes_wrong(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from tests.fuzz import harness

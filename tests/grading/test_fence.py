@@ -112,6 +112,7 @@ with Remote(slow, "drive", "controller", time_limit=60.0, memory_limit=4 * 10**9
 """
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="looks for a process in /proc")
 @pytest.mark.parametrize(
     "kind", [pytest.param("fenced", marks=needs_fence), pytest.param("free", marks=pytest.mark.long)]

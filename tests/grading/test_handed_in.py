@@ -81,6 +81,7 @@ def test_too_much_is_refused_before_it_is_read(own: Path) -> None:
         hand_in(own)
 
 
+@pytest.mark.long
 def test_links_to_others_work_earn_nothing_and_cost_the_others_nothing(tmp_path: Path) -> None:
     course = make_course(tmp_path / "course", RUBRIC)
     ann = tmp_path / "handed-in" / "ann"

@@ -40,6 +40,7 @@ def table(course: Path, out: str) -> str:
     return (course.parent / out / "grades.csv").read_text()
 
 
+@pytest.mark.long
 def test_what_was_graded_is_not_graded_again(course: Path) -> None:
     with pytest.raises(KeyboardInterrupt):
         graded(course, "out", stop=3)
@@ -69,6 +70,7 @@ def test_a_grading_by_another_rubric_is_left_alone(course: Path) -> None:
     assert table(course, "out") == before
 
 
+@pytest.mark.long
 def test_a_grading_that_was_killed_before_its_first_case_goes_on(course: Path) -> None:
     graded(course, "whole")
     (course.parent / "out").mkdir()

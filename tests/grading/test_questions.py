@@ -24,6 +24,7 @@ def course(tmp_path: Path) -> Path:
     return make_course(tmp_path / "course")
 
 
+@pytest.mark.long
 def test_a_right_answer_earns_its_points(course: Path) -> None:
     course.write_text(RUBRIC.replace("runs = 1", 'runs = 1\nquestions = "answers.toml"'))
     (course.parent / "answers.toml").write_text(ANSWERS)
@@ -95,6 +96,7 @@ def test_a_number_is_right_within_its_tolerance() -> None:
     assert not question.is_right({})
 
 
+@pytest.mark.long
 def test_a_criterion_earns_nothing_without_the_one_that_it_is_given_with(course: Path) -> None:
     course.write_text(RUBRIC.replace("full = 0.0", 'full = 0.0, given = "arrived"'))
     lazy = "def drive(readings, estimate, clock):\n    import amorsim as am\n    return am.Twist(0.0, 0.0)\n"

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.grading.courses import ESTIMATOR, RUBRIC, graded, make_course
+from tests.some_cases import one_in
 
 CRITERION = 'cloud = { use = "nees", at = "median", estimator = "dead_reckoning", particles = true, points = 10.0 }\n'
 RIGHT = '{"particles": np.tile(self.pose, (9, 1)) + 0.1 * np.eye(9, 3), "weights": np.ones(9)}'
@@ -19,7 +20,7 @@ ANSWERS = {
 }
 
 
-@pytest.mark.parametrize("name", ANSWERS)
+@pytest.mark.parametrize("name", one_in(4, ANSWERS))
 def test_beliefs_are_numbers_or_the_run_is_lost(tmp_path: Path, name: str) -> None:
     returned, reason = ANSWERS[name]
     text = RUBRIC[: RUBRIC.index("[criteria]")].replace('function = "drive"', 'role = "estimator"')

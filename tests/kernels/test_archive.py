@@ -61,6 +61,7 @@ def _with_note(packed: Path, target: Path, **changes: str) -> Path:
     return target
 
 
+@pytest.mark.long
 def test_where_an_archive_was_taken_nothing_is_compiled(packed: Path, elsewhere: Path) -> None:
     (elsewhere / "of-before").write_text("")
     assert misfit(_here(), packed) == ""

@@ -41,6 +41,7 @@ def weigh(world, poses, seen, mix, cubed=False, resolution=0.5, distance_max=2.0
     return count, out
 
 
+@pytest.mark.long
 def test_the_cubed_weight_is_that_of_beluga():
     """Beluga takes distances to the middles of occupied cells; the field is made of these here."""
     margin = 4
@@ -98,6 +99,7 @@ def test_the_densities_of_the_beam_model_add_up_to_one(expected):
     assert whole == pytest.approx(1.0 - lost, abs=1e-3)
 
 
+@pytest.mark.long
 def test_the_beam_model_expects_what_a_laser_would_read():
     world = Map.from_segments([(0, 0, 6, 0), (6, 0, 6, 4), (6, 4, 0, 4), (0, 4, 0, 0), (2, 0, 2, 1.5)], resolution=0.01)
     pose = np.array([[1.2, 2.1, 0.4]])

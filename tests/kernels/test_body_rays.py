@@ -158,6 +158,7 @@ def check_many(count, seed):
     assert 0.3 * count < seen < 0.95 * count
 
 
+@pytest.mark.long
 def test_three_thousand_random_rays_agree_with_shapely():
     check_many(3000, 1)
 

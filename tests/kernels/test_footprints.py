@@ -93,6 +93,7 @@ def random_queries(count, seed, spread):
     return a, rng.uniform(-spread, spread, (count, 3)), b, rng.uniform(-spread, spread, (count, 3))
 
 
+@pytest.mark.long
 def test_six_thousand_random_pairs_agree_with_shapely():
     for a, pose_a, b, pose_b in zip(*random_queries(6000, 1, 1.2), strict=True):
         check_pair(a, pose_a, b, pose_b)

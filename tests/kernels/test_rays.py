@@ -152,6 +152,7 @@ def on_ros_map(name: str, poses: int) -> None:
     assert np.isfinite(out).mean() > 0.2
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("name", "resolution"), [("serp-sm.wld", 0.001), ("hallway.wld", 0.05)])
 def test_line_worlds(name: str, resolution: float) -> None:
     on_line_worlds(name, resolution, poses=8)

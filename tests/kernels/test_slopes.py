@@ -69,6 +69,7 @@ def test_the_nearest_of_rays_is_the_first_of_the_least(own):
     assert (bearing[:, 0] == bearings[np.arange(300) if own else 0, which]).all()
 
 
+@pytest.mark.long
 def test_no_body_that_a_ray_meets_is_left_out_of_a_cone():
     rng = np.random.default_rng(5)
     rows, k, count = 200, 3, 4

@@ -118,6 +118,7 @@ def test_a_place_is_on_a_line_where_the_line_is_nearest(place: tuple[float, floa
     assert (found[0][0], found[1][0]) == (pytest.approx(off), pytest.approx(along))
 
 
+@pytest.mark.long
 def test_a_line_is_done_once_round_and_no_way_across_counts() -> None:
     task = FollowLine(width=0.2, speed=1.0, period=0.1)  # 0.4 m a step are no way across
     places = [(0.3 * step, 0.0) for step in range(7)] + [(2.0, 0.1), (2.0, 0.4), (2.0, 0.7), (1.9, 1.0)]
@@ -216,6 +217,7 @@ def test_a_controller_drives_in_place_of_actions() -> None:
     assert alone.true_pose[0].tolist() == envs.simulation.true_pose[1].tolist()
 
 
+@pytest.mark.long
 def test_an_evaluation_is_of_first_episodes_in_either_mode() -> None:
     def ahead(seen: Array) -> Array:
         return np.tile([0.8, 0.0], (len(seen), 1))

@@ -24,6 +24,7 @@ from amorsim.tasks import PointGoal  # noqa: E402
 from amorsim.tasks.goals import goal_within  # noqa: E402
 from amorsim.testing import check_vector_env  # noqa: E402
 from tests import building  # noqa: E402
+from tests.some_cases import one_in  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
 TASK = PointGoal(horizon=2.0, distance=(0.5, 1.5), clearance=0.3)
@@ -71,7 +72,7 @@ def test_gymnasium_finds_the_tasks_by_name() -> None:
     assert found.autoreset_mode is AutoresetMode.NEXT_STEP  # where TorchRL looks, as Gymnasium's own have it
 
 
-@pytest.mark.parametrize("name", amorsim.learning.TASKS)
+@pytest.mark.parametrize("name", one_in(4, amorsim.learning.TASKS))
 def test_each_environment_keeps_the_rules(name: str) -> None:
     check_vector_env(gym.make_vec(name, num_envs=3, horizon=2.0), steps=45)
     with warnings.catch_warnings():
@@ -184,6 +185,7 @@ def test_a_reward_is_what_the_page_says(to: float, touching: bool, reward: float
     assert (outcome.is_terminated[0], outcome.is_success[0]) == (ends, success)
 
 
+@pytest.mark.long
 def test_a_drive_by_the_observation_reaches_the_goal() -> None:
     """A rule that turns towards the observed goal succeeds in an empty room, whatever the seed."""
     many = make_vec(small(), 64, task=PointGoal(distance=(0.5, 1.5), clearance=0.6), autoreset_mode="SameStep")
@@ -220,6 +222,7 @@ def test_goals_lie_where_a_way_leads() -> None:
     assert goals[beyond, 1].min() > 2.0
 
 
+@pytest.mark.long
 def test_a_picture_shows_robot_and_goal_of_each_environment() -> None:
     many = envs(2, render_mode="rgb_array")
     assert many.metadata["render_fps"] == 10
@@ -317,6 +320,7 @@ def test_what_was_drawn_is_in_the_infos_where_asked() -> None:
     assert "drawn" not in infos
 
 
+@pytest.mark.long
 def test_a_window_shows_one_environment_and_changes_no_bit(monkeypatch: pytest.MonkeyPatch) -> None:
     opened: queue.SimpleQueue[str] = queue.SimpleQueue()
     monkeypatch.setattr("webbrowser.open", opened.put)

@@ -459,6 +459,7 @@ def test_the_map_of_ros_next_to_a_picture_is_named(tmp_path: Path) -> None:
     assert "lab.yaml" in warning
 
 
+@pytest.mark.long
 def test_a_picture_that_is_a_few_pixels_wide_is_read_as_others(tmp_path: Path) -> None:
     cells = np.random.default_rng(3).integers(0, 2, size=(700_001, 3), dtype=np.uint8)
     colours = np.array([[255, 250, 250], [0, 0, 5]], dtype=np.uint8)[cells]

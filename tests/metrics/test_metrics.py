@@ -130,6 +130,7 @@ def test_clearance_is_the_least_gap_to_a_wall() -> None:
     assert Clearance().measure(episode(straight() - [0.9, 0.0, 0.0])).tolist() == [0.0, 0.0]
 
 
+@pytest.mark.long
 def test_clearance_is_of_trailers_too(tmp_path: Path) -> None:
     pulled = building.robot(drive=building.tractor(), pose=am.Pose(x=1.2, y=2.0), name="b")
     alone = building.robot(pose=am.Pose(x=4.0, y=2.0), name="a")

@@ -77,6 +77,7 @@ def places(sim: am.Simulation, replica: int) -> dict[str, np.ndarray]:
     return {name: sim.obstacle(name, replica).true_pose.copy() for name in names}
 
 
+@pytest.mark.long
 def test_a_replica_starts_again_and_leaves_the_others(tmp_path: Path) -> None:
     made = everything(tmp_path)
     sim = am.Simulation(made, replicas=3)

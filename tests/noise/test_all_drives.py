@@ -14,6 +14,7 @@ from amorsim.studies.umbmark import umbmark
 from tests import building
 from tests.drives.fleet import MAKERS, make
 from tests.noise.sampling import Samples, assert_moments, assert_uncorrelated
+from tests.some_cases import one_in
 
 
 def simulate(name, *ground, zones=(), replicas=1, dt=0.1, **changes):
@@ -76,7 +77,7 @@ def test_a_bump_costs_the_way_of_an_edge(name):
     assert plain.true_pose[0, 0] - bumped.true_pose[0, 0] == pytest.approx(lost, rel=1e-9)
 
 
-@pytest.mark.parametrize("name", MAKERS)
+@pytest.mark.parametrize("name", one_in(3, MAKERS))
 def test_wheels_meet_a_sill_where_they_are(name):
     """A sill ahead is met by the foremost wheel first: by how far it stands before the base point."""
     sill = am.Zone(name="sill", shape=Shape.rectangle(0.01, 9.0), pose=am.Pose(x=1.0), ground=(Bump(height=0.01),))

@@ -124,6 +124,7 @@ def test_the_hump_of_bias_instability_is_where_the_docstring_says():
     assert heights[peak] == pytest.approx(0.617, abs=1e-3)
 
 
+@pytest.mark.long
 def test_a_long_series_of_a_gyro_shows_all_three_slopes():
     """White noise, instability and walk together: the Allan variances add up, over three decades of time."""
     parts = {

@@ -93,6 +93,7 @@ def test_a_sonar_meets_a_wall_straight_on_while_its_cone_has_the_normal(heading,
     assert side["incidence"][0, 0] == pytest.approx(math.radians(expected), abs=BOUND + math.radians(0.025))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("traversal", ["exact", "bresenham"])
 @pytest.mark.parametrize("has_post", [False, True])
 def test_a_sonar_tells_the_same_step_by_step_as_if_asked_at_that_place(traversal, has_post):

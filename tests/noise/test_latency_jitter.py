@@ -81,6 +81,7 @@ def test_readings_keep_their_order_and_say_of_when_they_are():
     assert set(np.unique((ticks - stamp)[10:])) >= {0, 1, 2, 3}
 
 
+@pytest.mark.long
 def test_ages_are_distributed_as_the_newest_of_those_that_have_arrived():
     """As nothing overtakes, a sample has come when all samples up to it have.
 

@@ -358,6 +358,7 @@ def test_title_stands_above_the_map(room: Map) -> None:
     assert (np.asarray(plain)[: Places(plain, room.size).top - 20] >= 100).all()
 
 
+@pytest.mark.long
 def test_a_long_title_is_cut_to_the_page(room: Map) -> None:
     image = draw_map(room, title="very " * 200, size=600)
     assert image.width == 600

@@ -40,6 +40,7 @@ def is_untouched(precious: Path) -> bool:
     return all(path.read_text() == "mine" for path in precious.iterdir())
 
 
+@pytest.mark.long
 def test_a_report_replaces_a_link(run: Path, precious: Path) -> None:
     linked([report(run)], precious)
     assert report(run).read_text().startswith("<!doctype html>")
@@ -47,6 +48,7 @@ def test_a_report_replaces_a_link(run: Path, precious: Path) -> None:
     assert is_untouched(precious)
 
 
+@pytest.mark.long
 def test_plots_replace_links(run: Path, precious: Path) -> None:
     plot_run = pytest.importorskip("amorsim.analysis.plots.plot").plot_run
     linked(plot_run(run)[:2], precious)
@@ -80,6 +82,7 @@ def test_a_folder_that_is_a_link_is_replaced_too(run: Path, precious: Path) -> N
     assert list(precious.iterdir()) == []
 
 
+@pytest.mark.long
 def test_a_file_that_the_user_names_may_be_a_link(run: Path, precious: Path, tmp_path: Path) -> None:
     (precious / "page.html").write_text("old")
     (tmp_path / "page.html").symlink_to(precious / "page.html")

@@ -42,6 +42,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.long
 def test_a_run_has_a_report(made: Path) -> None:
     path = am.report(made / "run")
     assert path == made / "run" / "report.html"

@@ -87,6 +87,7 @@ def test_a_controllers_file_may_change_it_too(tmp_path: Path, monkeypatch: pytes
     assert Path.cwd() == tmp_path
 
 
+@pytest.mark.long
 @posix
 @pytest.mark.parametrize("ending", ["pass", pytest.param("raise SystemExit", marks=pytest.mark.long)])
 def test_a_copy_that_a_controller_forks_writes_nothing(tmp_path: Path, ending: str) -> None:

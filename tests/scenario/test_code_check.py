@@ -111,11 +111,13 @@ def test_the_processes_that_it_has_started_end_with_it(tmp_path: Path, then: str
     raise AssertionError("it runs still")
 
 
+@pytest.mark.long
 @posix
 def test_a_copy_that_it_forks_says_nothing(tmp_path: Path) -> None:
     assert messages(tmp_path, "import os\nos.fork()\nos.fork()\n" + SOUND) == []
 
 
+@pytest.mark.long
 def test_others_are_tried_though_one_breaks_off(tmp_path: Path) -> None:
     """Each at its own place, a motion too; a file that cannot be loaded is not tried again."""
     path = make_study(tmp_path / "study", "import os\nos._exit(3)\n" + SOUND)

@@ -235,6 +235,7 @@ def test_too_many_are_reported_clearly(read, faults):
         am.Simulation(attrs.evolve(read(SWARM), robots=alike))
 
 
+@pytest.mark.long
 def test_more_than_memory_holds_are_refused_before_any_is_made(faults, monkeypatch):
     monkeypatch.setattr("amorsim.core.execution.memory.memory_of_machine", lambda: 1_000_000_000)
     made = []

@@ -239,6 +239,7 @@ def test_what_a_plain_estimator_does_wrong_names_it_and_its_robot(path: Path, co
         am.Simulation(am.load(path)).step()
 
 
+@pytest.mark.long
 def test_check_loads_all_of_them_in_another_process(path: Path) -> None:
     assert am.check_code(am.load(path)) == ()
     path.write_text(SCENARIO.replace("shift = 0.5", "shift = 'a'").replace("bias_deg = 10.0", "bias_deg = 'b'"))

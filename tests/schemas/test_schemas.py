@@ -64,6 +64,7 @@ def test_each_is_a_schema_in_json(kind: str) -> None:
     assert json.loads(json.dumps(schema)) == schema
 
 
+@pytest.mark.long
 def test_files_that_the_readers_accept_are_accepted() -> None:
     kinds = {"criteria": "rubric", "metrics": "study", "robots": "scenario"}
     files: dict[str, list[Path]] = {kind: [] for kind in kinds.values()}
@@ -81,6 +82,7 @@ def test_files_that_the_readers_accept_are_accepted() -> None:
     assert len(files["rubric"]) >= 3
 
 
+@pytest.mark.long
 def test_a_resolved_scenario_is_accepted(scenarios: Any) -> None:
     """All tables of all components, with every field written out."""
     for name in ("demo", "find-yourself", "crowd", "parking-lot", "line"):

@@ -121,6 +121,7 @@ def check_scene(seed):
     return count
 
 
+@pytest.mark.long
 def test_a_dozen_random_scenes_agree_with_shapely():
     assert 5 < sum(check_scene(seed) for seed in range(12)) < 43
 

@@ -212,6 +212,7 @@ def check_scene(seed, width=360):
     return count
 
 
+@pytest.mark.long
 def test_blobs_of_six_random_scenes_are_the_projected_outlines():
     assert sum(check_scene(seed) for seed in range(6)) > 15
 
@@ -268,6 +269,7 @@ def check_crowd(seed, width=240):
     return judged, seen, whole
 
 
+@pytest.mark.long
 def test_blobs_in_one_crowded_room_are_the_projected_outlines():
     judged, seen, whole = check_crowd(0)
     assert judged > 2000

@@ -213,6 +213,7 @@ def test_a_slanting_wall_leads_sound_from_one_robot_to_another(slope_deg):
         assert -1.5e-3 <= measured[0] - expected <= allowed(expected, slope + HALF)
 
 
+@pytest.mark.long
 def test_a_ring_hears_its_own_elements_by_a_wall_in_their_turns():
     """Two elements 0.3 m apart before a wall, that fire 2 ms one after the other."""
     pair = (am.Mount(y=-0.15), am.Mount(y=0.15))
@@ -266,6 +267,7 @@ def test_a_sonar_without_a_medium_is_silent_and_deaf():
     assert not sim._fleet.has_emitters  # nobody is even asked
 
 
+@pytest.mark.long
 def test_sound_is_taken_for_an_echo_as_often_as_set():
     a = robot("a", 2.0, 5.0, 0.0, CrossTalk(probability=0.3))
     b = robot("b", 6.0, 5.0, math.pi)
@@ -300,6 +302,7 @@ def test_each_element_has_a_turn():
         sonar(firing=(0, 1))
 
 
+@pytest.mark.long
 def test_a_sonar_that_fires_into_a_medium_keeps_its_contract():
     ring = tuple(am.Mount(x=0.1, heading=heading) for heading in (-0.6, 0.0, 0.6))
     check_component(sonar(elements=ring, firing=(0, 1, 0), half_angle=0.3))

@@ -147,6 +147,7 @@ def check_scene(seed):
     return judged, len(seen)
 
 
+@pytest.mark.long
 def test_twenty_random_scenes_agree_with_shapely():
     judged, seen = np.sum([check_scene(seed) for seed in range(20)], axis=0)
     assert judged > 150

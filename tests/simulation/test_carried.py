@@ -52,6 +52,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("own.toml").write_text(Path("Swerving.toml").read_text())
 
 
+@pytest.mark.long
 def test_another_process_goes_on_to_the_same_bits() -> None:
     sim = am.Simulation(am.load("own.toml"))
     sim.run(1.0)

@@ -119,6 +119,7 @@ def change(sim: am.Simulation, what: str, number: int, kept: list[am.Snapshot]) 
         sim.robot(name, replica=replica).drive(forward=1.0 + number % 7)
 
 
+@pytest.mark.long
 @settings(max_examples=12, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(
     seed=st.integers(0, 2**32 - 1),

@@ -43,6 +43,7 @@ SHAPES = [
 ]
 
 
+@pytest.mark.long
 @given(
     seed=st.integers(0, 2**32),
     robots=st.integers(1, 60),

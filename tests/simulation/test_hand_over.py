@@ -158,6 +158,7 @@ def test_a_mistake_is_reported() -> None:
         alone.hand_over("rover", "controller")
 
 
+@pytest.mark.long
 def test_a_run_with_a_hand_in_between_reproduces(tmp_path: Path) -> None:
     (tmp_path / "users.py").write_text(USERS)
     (tmp_path / "room.wld").write_text(

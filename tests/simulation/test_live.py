@@ -111,6 +111,7 @@ def live_fields(robot: am.Robot) -> list[tuple[str, float]]:
     ]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "drive", [pytest.param(name, marks=() if name == "differential" else pytest.mark.long) for name in MAKERS]
 )
@@ -138,6 +139,7 @@ def test_every_live_field_is_changed_and_the_run_repeated(drive: str, tmp_path: 
     assert am.reproduce(tmp_path / "run").is_exact
 
 
+@pytest.mark.long
 def test_each_change_holds_for_its_robot_alone_and_from_the_next_step_on() -> None:
     robot = everything()
     for path, value in live_fields(robot):

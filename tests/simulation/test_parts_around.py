@@ -355,6 +355,7 @@ def crowd_of(seed: int, rigs: int, others: int, dt: float, side: float, rate: fl
         return None
 
 
+@pytest.mark.long
 @given(
     seed=st.integers(0, 2**32),
     rigs=st.integers(1, 12),

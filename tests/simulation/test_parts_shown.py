@@ -111,6 +111,7 @@ def test_a_window_knows_where_a_robot_believes_its_trailer_to_be() -> None:
     assert np.isnan(found[1].parts).all()  # nobody measures its hitch
 
 
+@pytest.mark.long
 @pytest.mark.pictures
 def test_a_robots_own_colour_is_the_same_in_all_pictures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("starlette")

@@ -105,6 +105,7 @@ def test_only_the_tested_beam_is_kept() -> None:
     assert most < 200 * 8 * 721 * 8  # [bytes] of all beams of 200 readings in 8 runs
 
 
+@pytest.mark.long
 def test_a_range_sensors_bias_and_spread_are_found() -> None:
     hits = np.zeros(2, dtype=int)
     for seed in range(TRIALS // 4):
@@ -169,6 +170,7 @@ def test_the_bench_is_where_the_robot_stays(name: str) -> None:
     assert found["bias"].value == pytest.approx(0.02, abs=1e-9)
 
 
+@pytest.mark.long
 def test_what_is_not_there_is_refused() -> None:
     scenario = _scenario("gyro", Gyro())
     with pytest.raises(am.AmorsimError, match="robot 'rover': expected a compass; it has: none"):

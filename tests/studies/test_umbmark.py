@@ -121,6 +121,7 @@ def test_the_intervals_cover_what_was_put_in_180_times_of_200() -> None:
     assert min(_coverage(200)) >= 180
 
 
+@pytest.mark.long
 def test_encoders_that_round_and_wheels_that_gather_speed_change_little() -> None:
     """The Pioneer as it ships: whole counts, limited acceleration, another step."""
     scenario = am.load("demo")
@@ -191,6 +192,7 @@ def test_other_drives_are_refused() -> None:
         umbmark(building.scenario(building.robot(drive=_TurnTable())))
 
 
+@pytest.mark.long
 def test_the_corrected_scenario_has_the_same_robot_in_it() -> None:
     """Its true drive stays to the bit, what its software holds is corrected, and a file says the same."""
     scenario = am.load("demo")

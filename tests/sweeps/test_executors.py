@@ -35,6 +35,7 @@ def small(folder: Path, count: int, **changes: Any) -> dict[str, Any]:
     return tables(folder, axes={TRACK: POINTS | {"count": count}}, replicas=2, duration=0.3, **changes)
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("default")
 def test_two_processes_give_the_same_table(tmp_path: Path) -> None:
     given = small(tmp_path / "s", 6)
@@ -43,6 +44,7 @@ def test_two_processes_give_the_same_table(tmp_path: Path) -> None:
     assert table_of(tmp_path / "one") == table_of(tmp_path / "two")
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not Path("/dev/shm").is_dir(), reason="as Linux has it")
 def test_workers_of_a_study_that_is_killed_end_too(tmp_path: Path) -> None:
     given = small(tmp_path / "s", 4)

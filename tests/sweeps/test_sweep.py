@@ -151,6 +151,7 @@ def test_a_study_in_a_file_names_files_beside_it(tmp_path: Path) -> None:
     assert am.sweep(path, tmp_path / "out").failures == []
 
 
+@pytest.mark.long
 def test_axes_may_be_ranges_draws_variants_and_components(tmp_path: Path) -> None:
     axes: dict[str, Any] = {
         TRACK: {"from": 1.0, "to": 1.1, "count": 2},

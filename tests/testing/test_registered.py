@@ -123,7 +123,18 @@ EXAMPLES: dict[type, Any] = {
 }
 
 
-@pytest.mark.parametrize(("kind", "name"), CASES, ids=[f"{kind}-{name}" for kind, name in CASES])
+# Tried with the long tests; of every kind others are tried every day.
+SLOW = {
+    *("navigate", "orca", "hybrid_a_star", "rrt_star"),
+    *("graph_slam", "grid_slam", "monte_carlo", "scan_matching"),
+}
+
+
+@pytest.mark.parametrize(
+    ("kind", "name"),
+    [pytest.param(*case, marks=[pytest.mark.long] * (case[1] in SLOW)) for case in CASES],
+    ids=[f"{kind}-{name}" for kind, name in CASES],
+)
 def test_registered_component(kind: str, name: str, tmp_path: Path) -> None:
     component: Any = REGISTRY.get(kind, name)
     component = EXAMPLES.get(component, component)

@@ -36,6 +36,7 @@ def get(address: str, path: str, **headers: str) -> int:
     return status
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform != "linux", reason="processes are looked for in /proc")
 @pytest.mark.parametrize(
     "number",
@@ -171,6 +172,7 @@ os.rename("opened.part", "opened")
 """
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform != "linux", reason="the list of processes is read in /proc")
 def test_the_browser_is_opened_on_a_file_that_only_the_user_can_read(
     tmp_path: Path, views: list[View], monkeypatch: pytest.MonkeyPatch
@@ -236,6 +238,7 @@ def test_without_the_extra_one_line_says_what_to_install(amorsim: Any, monkeypat
     assert said.splitlines() == ['the window needs the extra "ui": python -m pip install "amorsim[ui]"']
 
 
+@pytest.mark.long
 def test_mistakes_are_reported_as_run_reports_them(
     amorsim: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -85,6 +85,7 @@ def test_at_the_optimum_no_pose_can_be_moved_to_a_smaller_chi2():
             assert abs(slope) < 1e-4
 
 
+@pytest.mark.long
 def test_the_expected_chi2_is_the_number_of_redundant_measurements():
     # Each of 200 rings has 3 numbers more than it needs; its chi2 is that of 3 degrees of freedom.
     chi2 = []

@@ -53,6 +53,7 @@ def test_a_robot_of_the_real_world(real) -> None:
     assert first.colour == "#ff0000"
 
 
+@pytest.mark.long
 def test_the_real_benchmarks_have_their_robots(real) -> None:
     cave = am.load(real("benchmark/cave.world"))
     assert len(cave.robots) == 100
@@ -280,6 +281,7 @@ def test_settings_change_one_robot_alone(write) -> None:
     assert (one.drive.track, other.drive.track) == (pytest.approx(0.4 * 0.33 / 0.38), 0.5)
 
 
+@pytest.mark.long
 def test_a_thousand_models_are_read_in_two_seconds(write) -> None:
     sonar = "define s sensor( range [0 5] fov 15 )\ndefine ring ranger(" + "s( pose [0.1 0 0 0] ) " * 16 + ")\n"
     robots = "".join(f'bot( name "r{i}" pose [{i % 40} {i // 40} 0 {i}] )\n' for i in range(500))

@@ -120,6 +120,7 @@ def test_what_stands_outside_the_floor_plan_is_in_the_map(write) -> None:
     assert not world.occupied([[5.0, 0.0]])[0]
 
 
+@pytest.mark.long
 def test_too_fine_a_resolution_is_coarsened_with_a_remark(write, tmp_path) -> None:
     bitmap(tmp_path, ["#.", ".."])
     path = write('floorplan( boundary 0 bitmap "plan.png" size [1000 700 1] )')

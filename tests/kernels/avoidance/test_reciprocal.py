@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+import pytest
 
 from amorsim.kernels.avoidance.reciprocal import nearest_velocity, reciprocal_velocities
 
@@ -28,6 +29,7 @@ def step(places, velocities, goals, *, radius=0.5, horizon=5.0, dt=0.1, fastest=
     return out, lines
 
 
+@pytest.mark.long
 def test_two_agents_take_the_steps_of_rvo2():
     """R 5, r 0.5, horizon 5, steps of 0.1: there after 106 steps, 1.0004 apart at the least, 9.58 each.
 

@@ -99,6 +99,7 @@ def test_both_stages_come_home_from_far_off():
     assert successes(100, 10, both=True) >= 0.995
 
 
+@pytest.mark.long
 def test_both_stages_come_home_from_far_off_in_some_places():
     assert successes(10, 3, both=True) == 1.0
 

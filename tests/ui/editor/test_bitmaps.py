@@ -80,6 +80,7 @@ def test_colours_and_greys_are_refused() -> None:
     assert shape_of(decode(data.getvalue(), "x.png", has_threshold=True)) == (4, 4)
 
 
+@pytest.mark.long
 def test_a_bitmap_world_is_painted_cropped_undone_and_saved(tmp_path: Path) -> None:
     levels = np.full((80, 120), 255, dtype=np.uint8)
     levels[0], levels[-1], levels[:, 0], levels[:, -1] = 0, 0, 0, 0

@@ -183,6 +183,7 @@ def test_what_is_pasted_from_another_folder_names_the_same_files(tmp_path: Path)
     assert am.load(tmp_path / "elsewhere" / "second" / "second.toml").robots[0].sensors["eye"].sensor.beams == 7
 
 
+@pytest.mark.long
 def test_the_world_is_written_after_it_is_said_what_is_lost(tmp_path: Path) -> None:
     file = own_copy("doors", tmp_path)
 
@@ -209,6 +210,7 @@ def test_the_world_is_written_after_it_is_said_what_is_lost(tmp_path: Path) -> N
     talk(str(file), tmp_path, say)
 
 
+@pytest.mark.long
 def test_a_generated_world_is_made_into_walls_that_can_be_drawn(tmp_path: Path) -> None:
     async def say(session: EditSession) -> None:
         world = {"map": {"generate": "office", "seed": 3}}
@@ -257,6 +259,7 @@ def test_a_generated_world_becomes_a_file_in_one_step_and_is_written_by_a_save(t
     talk("", tmp_path, say)
 
 
+@pytest.mark.long
 def test_pictures_and_a_zip_have_what_is_drawn_now(tmp_path: Path) -> None:
     async def say(session: EditSession) -> None:
         await do(session, do="edit", label="wall", changes=[{"op": "walls", "add": [[1.0, 9.0, 2.0, 9.0]]}])

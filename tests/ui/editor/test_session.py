@@ -145,6 +145,7 @@ def test_a_step_that_fails_in_the_middle_changes_nothing(tmp_path: Path) -> None
     talk("demo", tmp_path, say)
 
 
+@pytest.mark.long
 def test_a_file_that_was_changed_by_hand_is_noticed(tmp_path: Path) -> None:
     file = own_copy("demo", tmp_path)
 
@@ -172,6 +173,7 @@ def test_a_file_that_was_changed_by_hand_is_noticed(tmp_path: Path) -> None:
     assert am.open_document(file).get("simulation.duration") == 300.0
 
 
+@pytest.mark.long
 def test_a_folder_that_is_deleted_and_made_again_loses_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = tmp_path / "project"
     folder.mkdir()
@@ -328,6 +330,7 @@ def test_one_window_holds_the_pen_and_another_may_ask_for_it(tmp_path: Path) -> 
     talk("demo", tmp_path, say)
 
 
+@pytest.mark.long
 def test_the_pen_passes_to_a_window_that_asked_once_its_holder_has_gone(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

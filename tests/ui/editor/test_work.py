@@ -197,6 +197,7 @@ for number in range(len(work.steps.history.done), 100_000):
 """
 
 
+@pytest.mark.long
 def test_a_killed_editor_loses_nothing_that_it_has_answered(tmp_path: Path) -> None:
     """Twice; `test_killed` does it 200 times."""
     draw = random.Random(2)

@@ -137,6 +137,7 @@ def test_any_fault_that_comes_instead_is_reported_with_its_line(file: Path, kind
     watch(work)
 
 
+@pytest.mark.long
 def test_a_file_that_is_deleted_and_comes_back_is_followed(file: Path) -> None:
     async def work(_: Mending, following: Next) -> None:
         await drawn(following)
@@ -173,6 +174,7 @@ def test_a_map_that_is_put_where_it_was_missed_mends_the_file(file: Path) -> Non
     watch(work)
 
 
+@pytest.mark.long
 def test_faults_that_only_a_simulation_finds_are_reported_too(file: Path) -> None:
     found: list[FaultLine] = fault_lines(
         [am.Fault(file="some.toml", path="robots.rover.pose", message="in a wall", line=7)]

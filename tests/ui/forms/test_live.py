@@ -73,6 +73,7 @@ def test_the_limit_of_a_rate_deviates_by_a_factor_and_what_is_nominally_0_by_a_s
         assert form["label"].endswith(" error") == form["path"].endswith(".add")
 
 
+@pytest.mark.long
 def test_no_end_of_a_slider_is_absurd_or_refused() -> None:
     simulation = am.Simulation(am.load("demo"))
     with_sliders = [form for form in forms_of(simulation, "rover") if form["slider"]]

@@ -84,6 +84,7 @@ def test_what_may_not_be_looked_into_is_an_error_of_ours(project: Path, monkeypa
         place_for(project, "runs/new", ".toml")
 
 
+@pytest.mark.long
 def test_a_run_that_cannot_be_written_says_why(project: Path, tmp_path: Path) -> None:
     scenario = write_project(tmp_path)
     (project / "taken").touch()

@@ -58,6 +58,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
+@pytest.mark.long
 def test_every_form_leads_to_what_can_be_set_and_shows_it() -> None:
     simulation = am.Simulation(am.load("demo"))
     forms = [form for form in forms_of(simulation, "rover") if form["slider"]]
@@ -138,6 +139,7 @@ def test_the_floor_has_its_markings_and_drops_the_lowest_first() -> None:
     json.dumps(patches)
 
 
+@pytest.mark.long
 def test_a_thousand_robots_of_one_kind_are_one_kind() -> None:
     robots = [building.robot(name=f"r{i}", pose=am.Pose(x=1.0 + (i % 40), y=1.0 + (i // 40))) for i in range(1000)]
     scenario = building.scenario(*robots, map=building.empty(100.0))
