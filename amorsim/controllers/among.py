@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import abc
 import math
-from collections.abc import Mapping
 from typing import Any, ClassVar, NamedTuple
 
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array, Bools
-from amorsim.contracts import Beliefs, Clock, Context, Draws, Measurement, RobotModel, State, parameter
-from amorsim.controllers.abilities import Course
-from amorsim.controllers.avoider import Avoider, start_moving
+from amorsim.arrays import Array
+from amorsim.contracts import Beliefs, Context, Draws, State, parameter
+from amorsim.controllers.avoider import Avoider, SteeringInput, start_moving
 from amorsim.controllers.others import know_others, start_others
 from amorsim.kernels import elementary
-from amorsim.kernels.avoidance.guide import Guide
 from amorsim.kernels.avoidance.human_like import human_velocities
 from amorsim.kernels.avoidance.hybrid import hybrid_velocities
 from amorsim.kernels.avoidance.reciprocal import reciprocal_velocities
@@ -74,37 +71,28 @@ class Among(Avoider):
         """
         return {**start_moving(context), **start_others(context, self.sensor, type(self).__name__.lower())}
 
-    def steer(
-        self,
-        robot: RobotModel,
-        readings: Mapping[str, Measurement],
-        course: Course,
-        guide: Guide,
-        active: Bools,
-        clock: Clock,
-        state: State,
-        draws: Draws,
-    ) -> Array:
-        """The twists `(N, 3)` along the paths of `guide`; robots that are not `active` brake."""
+    def steer(self, given: SteeringInput) -> Array:
+        """The twists `(N, 3)` along the paths of the guide; robots that are not active brake."""
+        robot, course, state = given.course.robot, given.course, given.state
         rows = robot.rows
         reach = np.zeros((rows, 1)) + robot.shape.reach
         size = reach if self.others_radius is None else np.full((rows, 1), self.others_radius)
-        others = know_others(robot, readings[self.sensor], self.sensor, course, size, clock.time, state)
+        others = know_others(robot, given.readings[self.sensor], self.sensor, course, size, given.clock.time, state)
         own = np.zeros((rows, 2))
         own[:, 0] = state["moving"][:, 0]
         target = np.empty((rows, 2))
-        aims(course.poses, guide, self.look_ahead, target)
+        aims(course.poses, given.guide, self.look_ahead, target)
         radius: Any = reach + self.clearance
-        chosen = self.choose(others, own, target, radius, clock.dt, state, draws)
+        chosen = self.choose(others, own, target, radius, given.clock.dt, state, given.draws)
         twist = np.empty((rows, 3))
         twists_towards(
-            np.ascontiguousarray(np.where(active, chosen, 0.0)),
+            np.ascontiguousarray(np.where(given.active, chosen, 0.0)),
             self.speed,
             self.turn_rate,
             self.rotation_time,
             np.zeros((rows, 1)) + self.slowness,
             state["limits"],
-            clock.dt,
+            given.clock.dt,
             state["moving"],
             twist,
         )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import abc
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import attrs
 import numpy as np
@@ -30,11 +30,23 @@ from amorsim.kernels.avoidance.guide import Guide
 from amorsim.kernels.avoidance.seen_window import Window, guard
 from amorsim.kernels.behaviours.free_space import Sight
 
-__all__ = ["Avoider", "body_of", "guarded", "sight_of", "start_moving", "start_sight"]
+__all__ = ["Avoider", "SteeringInput", "body_of", "guarded", "sight_of", "start_moving", "start_sight"]
 
 
 _ARC_SAMPLES = 7  # points that stand for the arc on which a cone's return lies
 _PROGRESS = 0.1  # [m] nearer to the goal counts as progress
+
+
+class SteeringInput(NamedTuple):
+    """What an avoider is given in a step."""
+
+    readings: Mapping[str, Measurement]
+    course: Course
+    guide: Guide  # the paths
+    active: Bools  # (N, 1); the other robots stop
+    clock: Clock
+    state: State
+    draws: Draws
 
 
 @attrs.frozen(kw_only=True)
@@ -66,18 +78,8 @@ class Avoider(Controller):
     )
 
     @abc.abstractmethod
-    def steer(
-        self,
-        robot: RobotModel,
-        readings: Mapping[str, Measurement],
-        course: Course,
-        guide: Guide,
-        active: Bools,
-        clock: Clock,
-        state: State,
-        draws: Draws,
-    ) -> Array:
-        """The twists `(N, 3)` along the paths of `guide`; robots that are not `active` `(N, 1)` stop."""
+    def steer(self, given: SteeringInput) -> Array:
+        """The twists `(N, 3)` along the paths of the guide; robots that are not active stop."""
 
     def start_steering(self, context: Context) -> State:
         """The arrays that `steer` keeps in the state."""
@@ -148,7 +150,7 @@ class Avoider(Controller):
             np.ones(rows, dtype=np.int64),
             np.zeros(rows, dtype=np.int64),
         )
-        return course.command(self.steer(robot, readings, course, guide, active, clock, state, draws))
+        return course.command(self.steer(SteeringInput(readings, course, guide, active, clock, state, draws)))
 
     def reports(self, state: State) -> Sequence[tuple[int, str, object]]:
         """Goals that were reached, and robots that make no progress."""

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array, Bools
-from amorsim.contracts import Beliefs, Clock, Context, Draws, Measurement, RobotModel, State, parameter
-from amorsim.controllers.abilities import Course
-from amorsim.controllers.avoider import Avoider, body_of, sight_of
+from amorsim.arrays import Array
+from amorsim.contracts import Beliefs, Context, State, parameter
+from amorsim.controllers.avoider import Avoider, SteeringInput, body_of, sight_of
 from amorsim.kernels.avoidance.dynamic_window import Abilities, Scene, Weights, choose_twists, keep_behind
-from amorsim.kernels.avoidance.guide import Guide
 
 __all__ = ["Dwa"]
 
@@ -87,31 +84,22 @@ class Dwa(Avoider):
             "arcs": np.full((context.rows, self.speed_samples, self.turn_rate_samples, 3), np.nan),
         }
 
-    def steer(
-        self,
-        robot: RobotModel,
-        readings: Mapping[str, Measurement],
-        course: Course,
-        guide: Guide,
-        active: Bools,
-        clock: Clock,
-        state: State,
-        draws: Draws,
-    ) -> Array:
-        """The twists `(N, 3)` along the paths of `guide`; robots that are not `active` brake."""
+    def steer(self, given: SteeringInput) -> Array:
+        """The twists `(N, 3)` along the paths of the guide; robots that are not active brake."""
+        robot, course, state = given.course.robot, given.course, given.state
         box, margin = body_of(robot, self.clearance)
         own: Any = self
         able = Abilities(own.speed, own.reverse_speed, own.turn_rate, state["limits"], state["curvature"], state["lag"])
         weights = Weights(
             margin, own.horizon, own.forward_distance, own.path_weight, own.obstacle_weight, own.turn_weight
         )
-        reading = readings[self.sensor]
+        reading = given.readings[self.sensor]
         sight = sight_of(robot, reading, self.sensor, course.joints, state)
         twist = np.empty((robot.rows, 3))
-        scene = Scene(sight, reading.age, state["behind"], clock.time)
-        draws.share(_LOOK, lambda first, end: keep_behind(scene, course.poses, state["moving"], first, end))
-        mine = scene, course.poses, box, guide, able, weights, active, clock.dt, state["moving"]
-        draws.share(_WORK, lambda first, end: choose_twists(*mine, first, end, state["arcs"], twist))
+        scene = Scene(sight, reading.age, state["behind"], given.clock.time)
+        given.draws.share(_LOOK, lambda first, end: keep_behind(scene, course.poses, state["moving"], first, end))
+        mine = scene, course.poses, box, given.guide, able, weights, given.active, given.clock.dt, state["moving"]
+        given.draws.share(_WORK, lambda first, end: choose_twists(*mine, first, end, state["arcs"], twist))
         return twist
 
     def beliefs(self, state: State) -> Beliefs:

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import abc
-from collections.abc import Mapping
 from typing import Any
 
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array, Bools
-from amorsim.contracts import Beliefs, Clock, Context, Draws, Measurement, RobotModel, State, parameter
-from amorsim.controllers.abilities import Course
-from amorsim.controllers.avoider import Avoider, body_of, guarded, sight_of
-from amorsim.kernels.avoidance.guide import Guide
+from amorsim.arrays import Array
+from amorsim.contracts import Beliefs, Context, Draws, State, parameter
+from amorsim.controllers.avoider import Avoider, SteeringInput, body_of, guarded, sight_of
 from amorsim.kernels.avoidance.histogram import choose_openings
 from amorsim.kernels.avoidance.potential import push_away
 from amorsim.kernels.avoidance.steering import aims, bearing_twists, points_seen
@@ -49,28 +46,19 @@ class Headed(Avoider):
         """The sensor's beams, the drive's limits, and the direction taken last."""
         return {**super().start_steering(context), "bearing": np.full((context.rows, 1), np.nan)}
 
-    def steer(
-        self,
-        robot: RobotModel,
-        readings: Mapping[str, Measurement],
-        course: Course,
-        guide: Guide,
-        active: Bools,
-        clock: Clock,
-        state: State,
-        draws: Draws,
-    ) -> Array:
-        """The twists `(N, 3)` along the paths of `guide`; robots that are not `active` brake."""
+    def steer(self, given: SteeringInput) -> Array:
+        """The twists `(N, 3)` along the paths of the guide; robots that are not active brake."""
+        robot, course, state = given.course.robot, given.course, given.state
         rows = robot.rows
-        reading = readings[self.sensor]
+        reading = given.readings[self.sensor]
         sight = sight_of(robot, reading, self.sensor, course.joints, state)
         points = np.empty((rows, 3, sight.ranges.shape[1] * sight.samples))
         seen = sight, reading.age, state["moving"]
-        draws.share(_WORK, lambda first, end: points_seen(*seen, first, end, points))
+        given.draws.share(_WORK, lambda first, end: points_seen(*seen, first, end, points))
         target = np.empty((rows, 2))
-        aims(course.poses, guide, self.look_ahead, target)
+        aims(course.poses, given.guide, self.look_ahead, target)
         room: Any = np.zeros((rows, 1)) + robot.shape.reach + self.clearance
-        state["bearing"] = self.bearing(points, room, target, course.poses, state, draws)
+        state["bearing"] = self.bearing(points, room, target, course.poses, state, given.draws)
         wanted = np.empty((rows, 2))
         bearing_twists(
             points,
@@ -83,8 +71,8 @@ class Headed(Avoider):
             self.slow_within,
             wanted,
         )
-        wanted = np.where(active, wanted, 0.0)
-        return guarded(wanted, sight, reading.age, course, body_of(robot, self.clearance), state, clock.dt)
+        wanted = np.where(given.active, wanted, 0.0)
+        return guarded(wanted, sight, reading.age, course, body_of(robot, self.clearance), state, given.clock.dt)
 
     def beliefs(self, state: State) -> Beliefs:
         """The twist that it has by its own account, and the direction that it took."""

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import Any
 
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array, Bools
-from amorsim.contracts import Beliefs, Clock, Context, Draws, Measurement, RobotModel, State, parameter
-from amorsim.controllers.abilities import Course
-from amorsim.controllers.avoider import Avoider, body_of, guarded, sight_of
+from amorsim.arrays import Array
+from amorsim.contracts import Beliefs, Context, State, parameter
+from amorsim.controllers.avoider import Avoider, SteeringInput, body_of, guarded, sight_of
 from amorsim.kernels.avoidance.arcs import Box
 from amorsim.kernels.avoidance.dynamic_window import Abilities
-from amorsim.kernels.avoidance.guide import Guide
 from amorsim.kernels.avoidance.sampling import Costs, Field, roll_out
 
 __all__ = ["Mppi"]
@@ -74,45 +71,36 @@ class Mppi(Avoider):
         runs = np.zeros((context.rows, min(self.samples, _SHOWN), self.time_steps, 2))
         return {**super().start_steering(context), "plan": np.zeros((context.rows, self.time_steps, 2)), "runs": runs}
 
-    def steer(
-        self,
-        robot: RobotModel,
-        readings: Mapping[str, Measurement],
-        course: Course,
-        guide: Guide,
-        active: Bools,
-        clock: Clock,
-        state: State,
-        draws: Draws,
-    ) -> Array:
-        """The twists `(N, 3)` along the paths of `guide`; robots that are not `active` brake."""
+    def steer(self, given: SteeringInput) -> Array:
+        """The twists `(N, 3)` along the paths of the guide; robots that are not active brake."""
+        robot, course, state = given.course.robot, given.course, given.state
         rows = robot.rows
         box, margin = body_of(robot, self.clearance)
         own: Any = self
-        reading = readings[self.sensor]
+        reading = given.readings[self.sensor]
         sight = sight_of(robot, reading, self.sensor, course.joints, state)
         able = Abilities(own.speed, own.reverse_speed, own.turn_rate, state["limits"], state["curvature"], state["lag"])
         costs = Costs(
             own.temperature, own.path_weight, own.obstacle_weight, own.obstacle_distance, own.collision_weight, margin
         )
         field = Field(max(math.ceil(self.window / self.cell), 2), self.cell)
-        plan = _later(state["plan"], clock.dt / self.time_step)
-        noise = draws.normal(self.samples * self.time_steps * 2).reshape(rows, self.samples, self.time_steps, 2)
+        plan = _later(state["plan"], given.clock.dt / self.time_step)
+        noise = given.draws.normal(self.samples * self.time_steps * 2).reshape(rows, self.samples, self.time_steps, 2)
         scale = np.empty((rows, 1, 1, 2))
         scale[:, 0, 0, :1], scale[:, 0, 0, 1:] = own.speed_noise, own.turn_rate_noise
         noise = noise * scale
-        mine = sight, reading.age, course.poses, _discs(box), field, guide, able, costs
+        mine = sight, reading.age, course.poses, _discs(box), field, given.guide, able, costs
         moving = state["moving"]
         before = plan.copy()
-        draws.share(
+        given.draws.share(
             self.samples * self.time_steps // 4,
             lambda first, end: roll_out(*mine, noise, self.time_step, moving, first, end, plan),
         )
         # The kernel leaves in `noise` what the drive could follow of it.
         state["runs"] = before[:, None] + noise[:, :_SHOWN]
-        state["plan"] = np.where(active[:, :, None], plan, 0.0)
+        state["plan"] = np.where(given.active[:, :, None], plan, 0.0)
         first_step = np.ascontiguousarray(state["plan"][:, 0])
-        return guarded(first_step, sight, reading.age, course, (box, margin), state, clock.dt)
+        return guarded(first_step, sight, reading.age, course, (box, margin), state, given.clock.dt)
 
     def beliefs(self, state: State) -> Beliefs:
         """The twist that it has by its own account, its plan, and some of the runs: v and w of each step."""

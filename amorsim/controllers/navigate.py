@@ -23,7 +23,7 @@ from amorsim.contracts import (
     parameter,
 )
 from amorsim.controllers.abilities import Course
-from amorsim.controllers.avoider import Avoider, body_of, sight_of, start_sight
+from amorsim.controllers.avoider import Avoider, SteeringInput, body_of, sight_of, start_sight
 from amorsim.controllers.dwa import Dwa
 from amorsim.controllers.planning import STATUSES, Ways, keep_searched, lay_path, no_path, turns_back_later
 from amorsim.core.errors import ComponentError
@@ -198,7 +198,7 @@ class Navigate(Controller):
         guide = self._way(robot, estimate.pose, clock.time, window, state)
         driving = (state["mode"] == DRIVING) & (state["status"] == 0)
         before = state["moving"].copy()
-        twist = self.avoider.steer(robot, readings, course, guide, driving, clock, state, draws)
+        twist = self.avoider.steer(SteeringInput(readings, course, guide, driving, clock, state, draws))
         recovering = state["mode"] == RECOVERING
         if recovering.any():
             state["moving"] = np.where(recovering, before, state["moving"])

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array, Bools, Ints
-from amorsim.contracts import Clock, Context, Draws, Measurement, RobotModel, State, parameter
+from amorsim.arrays import Array, Ints
+from amorsim.contracts import Context, RobotModel, State, parameter
 from amorsim.controllers.abilities import Course
-from amorsim.controllers.avoider import Avoider, body_of, guarded, sight_of
+from amorsim.controllers.avoider import Avoider, SteeringInput, body_of, guarded, sight_of
 from amorsim.controllers.planning import PLACES
 from amorsim.controllers.pursuit import next_stops, turn_back
 from amorsim.controllers.trailer import Trailer
@@ -133,27 +132,18 @@ class PathPursuit(Avoider):
         if "axle_path" in state:
             _lay_axle(axle, len(line.ends), row, state)
 
-    def steer(
-        self,
-        robot: RobotModel,
-        readings: Mapping[str, Measurement],
-        course: Course,
-        guide: Guide,
-        active: Bools,
-        clock: Clock,
-        state: State,
-        draws: Draws,
-    ) -> Array:
-        """The twists `(N, 3)` along the paths of `guide`; robots that are not `active` brake."""
-        reading = readings[self.sensor]
+    def steer(self, given: SteeringInput) -> Array:
+        """The twists `(N, 3)` along the paths of the guide; robots that are not active brake."""
+        robot, course, state = given.course.robot, given.course, given.state
+        reading = given.readings[self.sensor]
         sight = sight_of(robot, reading, self.sensor, course.joints, state)
         # It brakes with half of what its drive can, which leaves the other half for steering.
         limits = state["limits"] * (1.0, 1.0, 0.5, 1.0)
         wanted = np.zeros((robot.rows, 2))
-        for row in np.flatnonzero(active).tolist():
+        for row in np.flatnonzero(given.active).tolist():
             trailer = self._pushed(robot, course, row, state)
-            wanted[row] = self._along(row, trailer, course, guide, limits, clock.dt, state)
-        twist = guarded(wanted, sight, reading.age, course, body_of(robot, self.clearance), state, clock.dt)
+            wanted[row] = self._along(row, trailer, course, given.guide, limits, given.clock.dt, state)
+        twist = guarded(wanted, sight, reading.age, course, body_of(robot, self.clearance), state, given.clock.dt)
         state["pace"][:, 0] = np.abs(twist[:, 0])
         return twist
 
