@@ -37,7 +37,7 @@ class ErrorContext:
     def __init__(self, kind: str, names: Sequence[str], row_clock: RowClock) -> None:
         self._kind = kind
         self._names = names
-        self._row_clock = row_clock
+        self.row_clock = row_clock
 
     def blame(self, what: str, component: Any, error: BaseException) -> NoReturn:
         """Raise a component's exception as an error that names the robot or obstacle and the time.
@@ -81,7 +81,7 @@ class ErrorContext:
 
     def row(self, row: int) -> str:
         """The robot of a row, its replica if that is not the first, and the time."""
-        row_clock = self._row_clock
+        row_clock = self.row_clock
         replica, tick = int(row_clock.replica[row]), int(row_clock.tick[row, 0])
         of = f" in replica {replica}" if replica else ""
         return f"{self._kind} {self._names[row]!r}{of} at tick {tick} ({tick * row_clock.dt:g} s)"
@@ -93,7 +93,7 @@ class ErrorContext:
         return f"{self._kind}{'s' if len(names) > 1 else ''} {shown}{more}"
 
     def _time(self) -> str:
-        first, last = float(self._row_clock.time.min()), float(self._row_clock.time.max())
+        first, last = float(self.row_clock.time.min()), float(self.row_clock.time.max())
         return f"{first:g} s" if first == last else f"{first:g} to {last:g} s"
 
 

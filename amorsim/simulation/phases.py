@@ -126,7 +126,8 @@ def _speed(fleet: Fleet, group: Group | ObstacleGroup, row: int, body: int, cont
     """Speed [m/s] of a body at contact: of its base point, or of a part's point of contact."""
     if isinstance(group, Group) and group.parts is not None and body not in group.bodies:
         return group.parts.speed_at(body, contact.point, contact.fraction)
-    return float(group.travel()[row, 0] / fleet.dt)
+    mover = group.locomotion if isinstance(group, Group) else group
+    return float(mover.travel()[row, 0] / fleet.dt)
 
 
 def _log_contact(fleet: Fleet, contact: Contact) -> None:

@@ -32,7 +32,7 @@ def simulate(name, *ground, zones=(), replicas=1, dt=0.1, **changes):
 def rolled(sim):
     """What each rolling joint went by its angle [m] `(N, r)`."""
     (group,) = sim._fleet.groups
-    return group.joints[:, group.rolling] * group.drive.rolling_radius()
+    return group.joints[:, group.locomotion.rolling] * group.drive.rolling_radius()
 
 
 @pytest.mark.parametrize("name", MAKERS)
@@ -62,8 +62,8 @@ def test_noise_by_length_has_its_variance_in_the_way(name):
     way = float(rolled(sim)[0].mean())
     # The heading bends the way by the second order in k: here a part in a thousand of the variance.
     allowed = 5.0 * math.sqrt(2.0 / (replicas - 1)) + 1e-2
-    along = sim.true_pose[:, 0] if len(group.rolling) == 1 else np.hypot(*sim.true_pose[:, :2].T)
-    assert along.var(ddof=1) == pytest.approx(k * way / len(group.rolling), rel=allowed)
+    along = sim.true_pose[:, 0] if len(group.locomotion.rolling) == 1 else np.hypot(*sim.true_pose[:, :2].T)
+    assert along.var(ddof=1) == pytest.approx(k * way / len(group.locomotion.rolling), rel=allowed)
 
 
 @pytest.mark.parametrize("name", MAKERS)

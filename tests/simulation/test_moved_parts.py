@@ -150,7 +150,7 @@ def test_the_sweep_finds_the_contact_that_looking_along_the_path_finds(seed: int
     scene = shapely.union_all([outline(s.shape, (s.pose.x, s.pose.y, s.pose.heading)) for s in stones])
     sim = am.Simulation(yard(robot, obstacles=stones, dt=1.0))
     group = sim._fleet.groups[0]
-    group.joints = before.copy()
+    group.joints[:] = before
     group.parts.start()
     sim._fleet.place()
     drive(sim, tuple(rates.tolist()))

@@ -31,7 +31,7 @@ _LOOK = 1e-4  # of a step, to either side: the difference of two such positions 
 
 
 class Robots(Protocol):
-    """The interface that parts need of their robots: a group."""
+    """What parts need of their robots: the locomotion of a group."""
 
     bodies: Ints
     dt: float
@@ -59,25 +59,25 @@ class Parts:
     Their poses follow from the joints, but are stored as well: so they are, to the bit, those that contact found free.
     """
 
-    def __init__(self, group: Robots, world: World) -> None:
-        entries = world.parts_of(group.bodies)
-        self._group = group
+    def __init__(self, robots: Robots, world: World) -> None:
+        entries = world.parts_of(robots.bodies)
+        self._robots = robots
         self._each = entries.shape[1]
         self.bodies: Ints = entries.reshape(-1)
         self.start()
 
     def start(self) -> None:
         """Put the parts at the poses that the joints give, at rest."""
-        group = self._group
-        inside = np.ascontiguousarray(group.drive.part_poses(group.joints)).reshape(-1, 3)
-        self.poses = compose(np.repeat(group.true_pose, self._each, axis=0), inside)
+        robots = self._robots
+        inside = np.ascontiguousarray(robots.drive.part_poses(robots.joints)).reshape(-1, 3)
+        self.poses = compose(np.repeat(robots.true_pose, self._each, axis=0), inside)
         self.twists = np.zeros_like(self.poses)
 
     def of_row(self, row: int, pose: Array) -> Array:
         """Poses of the parts of one robot `(p, 3)` if it stood at `pose` `(3,)`, with its joints as they are."""
-        group = self._group
+        robots = self._robots
         which = np.array([row], dtype=np.intp)
-        inside = take(group.drive, which).part_poses(group.joints[which])[0]
+        inside = take(robots.drive, which).part_poses(robots.joints[which])[0]
         return compose(np.repeat(pose[None, :], self._each, axis=0), np.ascontiguousarray(inside))
 
     @property
@@ -103,16 +103,16 @@ class Parts:
     @property
     def label(self) -> str:
         """The robots' name in the schedule, and that these are their parts."""
-        return f"{self._group.label} / parts"
+        return f"{self._robots.label} / parts"
 
     def bind_path(self, motion: Array, travel: Array) -> tuple[int, Callable[[], None]]:
         """The form of the parts' paths, which no kernel knows; `poses_at` gives their ends as well."""
         motion[:] = 0.0
-        return OTHER, lambda: np.copyto(travel, self._group.part_travel().reshape(-1, 2))
+        return OTHER, lambda: np.copyto(travel, self._robots.part_travel().reshape(-1, 2))
 
     def blame(self, error: BaseException) -> NoReturn:
         """Raise an exception as the drive's."""
-        self._group.blame(error)
+        self._robots.blame(error)
 
     def bad_motion(self, motion: Array) -> AmorsimError:
         """Not needed: these motions are 0."""
@@ -121,7 +121,7 @@ class Parts:
     def poses_at(self, which: Ints, fraction: Array) -> Array:
         """Poses `(Q, 3)` of the parts with the numbers `which` `(Q,)`, at fractions `(Q,)` of the step."""
         row, part = np.divmod(which, self._each)
-        poses, inside = self._group.parts_at(row, fraction[:, None])
+        poses, inside = self._robots.parts_at(row, fraction[:, None])
         return compose(poses, np.ascontiguousarray(inside[np.arange(len(row)), part]))
 
     def speed_at(self, body: int, point: tuple[float, float], fraction: float) -> float:
@@ -131,13 +131,13 @@ class Parts:
         now, before, after = self.poses_at(which, np.array([fraction, early, late]))[:, None]
         inside = relative(now, np.array([[*point, 0.0]]))
         (dx, dy, _) = (compose(after, inside) - compose(before, inside))[0].tolist()
-        return math.hypot(dx, dy) / ((late - early) * self._group.dt)
+        return math.hypot(dx, dy) / ((late - early) * self._robots.dt)
 
     def bind_arrival(self, poses: Array, stop: Array) -> Callable[[], None]:
         """A function that takes the poses `(N * p, 3)` after contact."""
 
         def arrive() -> None:
-            self.twists = logarithm(relative(self.poses, poses)) / self._group.dt
+            self.twists = logarithm(relative(self.poses, poses)) / self._robots.dt
             self.poses = poses.copy()
 
         return arrive

@@ -101,7 +101,7 @@ class Fleet:
         self.everything: list[Group | ObstacleGroup] = [*self.groups, *self.obstacles]
         self.parts = [group.parts for group in self.groups if group.parts is not None]
         moved = [group for group in self.obstacles if group.motion is not None]
-        self.movement = Movement(self.world, [*self.groups, *self.parts, *moved])
+        self.movement = Movement(self.world, [*(group.locomotion for group in self.groups), *self.parts, *moved])
         self.has_emitters = any(unit.sensor.medium for group in self.groups for unit in group.sensors.values())
         self.upcoming: Any = None  # a snapshot of the next episodes' starts; see `amorsim.simulation.state.restart`
         self.calls: Sequence[Call] = ()  # of a step; see `amorsim.simulation.phases.calls_of`

@@ -50,7 +50,7 @@ def move(fleet: Fleet, moves: Sequence[tuple[RobotHandle, tuple[float, ...]]], k
             group.parts.put(row, poses[bodies[1:]])
         group.true_twist[row] = 0.0
         group.joint_rates[row] = 0.0
-        group.zones.put(row)
+        group.locomotion.zones.put(row)
         fleet.place()
         fleet.part_from_all(int(bodies[0]))
         fleet.log(group, row, kind, path="pose", value=pose)
