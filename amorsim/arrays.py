@@ -1,4 +1,4 @@
-"""Types of NumPy arrays, for annotations; docstrings tell the shapes."""
+"""Types of NumPy arrays for annotations, by what they hold; docstrings tell the shapes."""
 
 from __future__ import annotations
 
