@@ -129,7 +129,7 @@ from amorsim.simulation.simulation import Simulation
 from amorsim.sweeps.sweep import sweep
 from amorsim.sweeps.table import Study, read_study
 from amorsim.ui.notebook.widget import widget
-from amorsim.ui.run_page.document import run_page
+from amorsim.ui.run_page.html_file import run_page
 from amorsim.ui.view import view
 
 __all__ = [

@@ -1,8 +1,8 @@
 """Write what the window's scripts know of the messages: the layout of frames, the names of commands, types of tables.
 
-``python tools/make_wire.py``, after a change of ``scene/wire.py``, of ``lines.py`` or ``mending.py`` in ``faults``, or
-of ``protocol.py``, ``packing.py`` or ``messages.py`` in ``simulator``, all in ``amorsim/ui``. A test says when it was
-forgotten.
+``python tools/make_wire.py``, after a change of ``scene/wire.py``, of ``shown_faults.py`` or ``mending.py`` in
+``faults``, or of ``protocol.py``, ``packing.py`` or ``messages.py`` in ``simulator``, all in ``amorsim/ui``. A test
+says when it was forgotten.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from enum import IntFlag
 from pathlib import Path
 from typing import Any
 
-from amorsim.ui.faults import lines, mending
+from amorsim.ui.faults import mending, shown_faults
 from amorsim.ui.scene import wire as scenes
 from amorsim.ui.simulator.frames import packing, protocol
 from amorsim.ui.simulator.frames.messages import COMMANDS
@@ -86,7 +86,7 @@ def frame_interface() -> str:
 
 def declarations() -> str:
     """The types of messages."""
-    modules = (scenes, protocol, lines, mending)
+    modules = (scenes, protocol, shown_faults, mending)
     tables = [one for module in modules for name in module.__all__ if typing.is_typeddict(one := getattr(module, name))]
     names = textwrap.wrap(" | ".join(f'"{name}"' for name in COMMANDS), LONGEST - 2)
     command = "\n".join(["export type CommandName =", *(f"  {one}" for one in names)])

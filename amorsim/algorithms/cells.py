@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.arrays import Array, Bools, Ints32
+from amorsim.array_types import Array, Bools, Ints32
 from amorsim.core.errors import MapError, PlanError
 from amorsim.core.maps.cell_lines import placed
 from amorsim.core.maps.map import Map, Place

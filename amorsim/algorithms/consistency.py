@@ -13,7 +13,7 @@ import math
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.arguments import is_numeric, real, whole
 from amorsim.core.error_text import in_words
 from amorsim.core.parameters import LARGEST, ParameterError

@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 
 from amorsim.algorithms.cells import place_of
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.arguments import is_real
 from amorsim.core.errors import PlanError
 from amorsim.kernels.search.curves import MOST_WORDS, dubins_words, reeds_shepp_words, trace_word

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.arguments import numbers
 from amorsim.core.parameters import ParameterError
 

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.algorithms.intervals import mean_interval
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.core.arguments import numbers, real
 from amorsim.core.parameters import ParameterError
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.arguments import numbers, real
 from amorsim.core.error_text import in_words
 from amorsim.core.parameters import ParameterError

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 
 __all__ = ["Fit", "gauss_newton", "linear_fit"]
 

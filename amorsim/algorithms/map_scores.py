@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.arrays import Array, Bools
+from amorsim.array_types import Array, Bools
 from amorsim.core.arguments import numbers, real
 from amorsim.core.parameters import ParameterError
 

@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.arguments import is_real
 from amorsim.core.errors import PlanError
 from amorsim.kernels import elementary

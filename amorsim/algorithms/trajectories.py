@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.core.arguments import numbers
 
 __all__ = [

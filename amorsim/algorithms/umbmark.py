@@ -21,7 +21,7 @@ import numpy as np
 
 from amorsim.algorithms.intervals import Interval, welch_half_width
 from amorsim.algorithms.least_squares import gauss_newton
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 
 __all__ = [
     "ExactFit",

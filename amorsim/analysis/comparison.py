@@ -12,8 +12,8 @@ import attrs
 import numpy as np
 
 from amorsim.analysis.differences import Comparison
-from amorsim.analysis.differing import differing_parts
 from amorsim.analysis.paired import Key, paired
+from amorsim.analysis.scenario_differences import differing_parts
 from amorsim.core.arguments import check_text, texts
 from amorsim.core.errors import AnalysisError, did_you_mean
 from amorsim.core.unknown_names import no_such

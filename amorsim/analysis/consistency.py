@@ -10,7 +10,7 @@ import numpy as np
 from amorsim.algorithms.consistency import Consistency, nees, verdict
 from amorsim.analysis.measuring import episode_of
 from amorsim.analysis.run_files import RunFiles
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.poses import wrap_angle
 
 __all__ = ["OverTime", "run_nees", "run_nis"]

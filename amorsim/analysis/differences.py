@@ -13,7 +13,7 @@ from typing import Any
 
 import attrs
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.display import in_notebook
 from amorsim.core.files.atomic_files import write_text
 from amorsim.render.words import significant, with_interval

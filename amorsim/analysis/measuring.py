@@ -11,7 +11,7 @@ import numpy as np
 
 from amorsim.analysis.own_columns import own_channels
 from amorsim.analysis.run_files import RunFiles
-from amorsim.arrays import AnyArray, Array
+from amorsim.array_types import AnyArray, Array
 from amorsim.contracts import Episode, Metric
 from amorsim.core.arguments import check_kind
 from amorsim.core.errors import AnalysisError
@@ -19,8 +19,8 @@ from amorsim.core.files.json_files import parse_json
 from amorsim.core.maps.map import Map
 from amorsim.scenario.spec import Robot
 from amorsim.simulation.events import Event
-from amorsim.simulation.fleet.alike import channels_of
-from amorsim.simulation.keeping import LAST
+from amorsim.simulation.fleet.grouping import channels_of
+from amorsim.simulation.kept_quantities import LAST
 from amorsim.worlds.drawn import map_of, origin_of
 
 __all__ = ["episode_of", "measure"]

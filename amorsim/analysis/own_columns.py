@@ -7,11 +7,11 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from amorsim.analysis.run_files import RunFiles, Table
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.errors import RunError
 from amorsim.core.unknown_names import no_such
 from amorsim.scenario.spec import Robot
-from amorsim.simulation.fleet.alike import channels_of, reading_size
+from amorsim.simulation.fleet.grouping import channels_of, reading_size
 
 __all__ = ["own_channels", "own_commands", "own_readings"]
 

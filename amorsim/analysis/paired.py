@@ -12,7 +12,7 @@ import numpy as np
 from amorsim.algorithms.effects import holm, paired_effect
 from amorsim.algorithms.intervals import mean_interval, welch_half_width
 from amorsim.analysis.differences import Comparison, Difference, Summary
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.errors import AnalysisError
 
 __all__ = ["Key", "by_draws", "paired"]

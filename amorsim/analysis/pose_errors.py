@@ -24,7 +24,7 @@ from amorsim.algorithms.trajectories import (
     umeyama,
 )
 from amorsim.analysis.trajectory import Trajectory
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.arguments import check_kind, check_text, checked, numbers, real
 from amorsim.core.error_text import in_words
 from amorsim.core.errors import AnalysisError

@@ -10,7 +10,7 @@ import zlib
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.arguments import numbers, path_of
 from amorsim.core.errors import AnalysisError
 from amorsim.core.parameters import LARGEST, ParameterError

@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from amorsim.arrays import AnyArray, Ints
+from amorsim.array_types import AnyArray, Ints
 from amorsim.core.arguments import checked, path_of
 from amorsim.core.errors import RunError
 from amorsim.core.unknown_names import no_such

@@ -12,7 +12,7 @@ import attrs
 import numpy as np
 
 from amorsim.analysis.run_files import RunFiles
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.arguments import check_kind, checked, path_of
 from amorsim.core.errors import AnalysisError, RunError
 from amorsim.core.files.atomic_files import write_text

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import attrs
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.contracts.values import Aim, Estimate, Measurement, State
 from amorsim.contracts.view import View
 from amorsim.core.draws import Draws

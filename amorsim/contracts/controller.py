@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts.binding import ControllerBinding, simple_form_first
 from amorsim.contracts.robot import Component, RobotModel
 from amorsim.contracts.values import Beliefs, Clock, Estimate, Measurement, State

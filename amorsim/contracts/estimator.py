@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from amorsim.arrays import Array, Bools
+from amorsim.array_types import Array, Bools
 from amorsim.contracts.binding import EstimatorBinding, simple_form_first
 from amorsim.contracts.robot import Component, RobotModel
 from amorsim.contracts.values import Beliefs, Estimate, Measurement, State

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import attrs
 import numpy as np
 
-from amorsim.arrays import AnyArray, Array
+from amorsim.array_types import AnyArray, Array
 from amorsim.contracts.robot import Part
 from amorsim.core.maps.map import Map
 from amorsim.core.shapes import Shape

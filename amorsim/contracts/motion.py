@@ -5,7 +5,7 @@ from __future__ import annotations
 import abc
 from collections.abc import Sequence
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts.robot import Component
 from amorsim.contracts.values import State
 from amorsim.contracts.view import View

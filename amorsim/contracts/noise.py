@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts.robot import Component
 from amorsim.contracts.values import Aim, State
 from amorsim.core.draws import Draws

@@ -10,7 +10,7 @@ from typing import ClassVar
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.display import in_notebook
 from amorsim.core.maps.map import Map
 from amorsim.core.shapes import Shape

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, cast
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.contracts.robot import RobotModel
 from amorsim.contracts.values import Beliefs, BeliefsByName, Estimate, Measurement
 from amorsim.core.display import in_notebook

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, NamedTuple
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.contracts.binding import DriveBinding, SensorBinding, simple_form_first
 from amorsim.contracts.values import Aim, Beliefs, State
 from amorsim.contracts.view import Emission, View

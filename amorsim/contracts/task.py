@@ -9,7 +9,7 @@ from typing import NamedTuple
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array, Bools
+from amorsim.array_types import Array, Bools
 from amorsim.contracts.robot import RobotModel
 from amorsim.contracts.values import Estimate, Measurement, State
 from amorsim.core.draws import Draws

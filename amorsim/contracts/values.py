@@ -6,7 +6,7 @@ import abc
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import NamedTuple
 
-from amorsim.arrays import AnyArray, Array, Bools, Ints
+from amorsim.array_types import AnyArray, Array, Bools, Ints
 
 __all__ = ["Aim", "Beliefs", "BeliefsByName", "Clock", "Estimate", "LazyBeliefs", "Measurement", "State"]
 

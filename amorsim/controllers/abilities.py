@@ -8,7 +8,7 @@ from typing import Any
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array, Bools
+from amorsim.array_types import Array, Bools
 from amorsim.contracts import Estimate, Measurement, RobotModel, State
 from amorsim.contracts.joints import at_rest, joints_of
 from amorsim.core.errors import ComponentError

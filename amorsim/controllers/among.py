@@ -9,7 +9,7 @@ from typing import Any, ClassVar, NamedTuple
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Beliefs, Context, Draws, State, parameter
 from amorsim.controllers.avoider import Avoider, SteeringInput, start_moving
 from amorsim.controllers.others import know_others, start_others

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Mount, RobotModel, SensorModel
 from amorsim.core.errors import ComponentError, did_you_mean
 from amorsim.core.poses import compose

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Beliefs, Context, Draws, State, parameter
 from amorsim.controllers.headed import Headed
 from amorsim.kernels.avoidance.bugs import BUG_COLUMNS, bug2, nearness, tangent_bug

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Context, Measurement, RobotModel, State
 from amorsim.controllers.abilities import Course
 from amorsim.core.errors import ComponentError, did_you_mean

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.contracts import Context, RobotModel, State, parameter
 from amorsim.controllers.abilities import Course
 from amorsim.controllers.avoider import Avoider, SteeringInput, body_of, guarded, sight_of

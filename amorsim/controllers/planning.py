@@ -12,7 +12,7 @@ import numpy.typing as npt
 from amorsim.algorithms.cells import Cells, free_cells
 from amorsim.algorithms.plans import find_plan
 from amorsim.algorithms.speed_profile import pieces_of
-from amorsim.arrays import Array, Bools
+from amorsim.array_types import Array, Bools
 from amorsim.contracts import Beliefs, Plan, Planner, RobotModel, State
 from amorsim.controllers.pursuit import turn_back
 from amorsim.core.errors import ComponentError, ControllerError, PlanError

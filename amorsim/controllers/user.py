@@ -10,7 +10,7 @@ from typing import Any, ClassVar, NamedTuple
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import (
     Clock,
     Context,

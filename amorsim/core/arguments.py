@@ -17,7 +17,7 @@ from typing import Annotated, Any, Literal, TypeGuard, TypeVar, cast
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.error_text import in_words
 from amorsim.core.parameters import ParameterError
 

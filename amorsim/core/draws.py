@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.errors import AmorsimError
 from amorsim.core.execution.workers import Workers
 from amorsim.kernels.random import philox

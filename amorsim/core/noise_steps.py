@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.draws import Draws
 from amorsim.core.error_text import in_words
 from amorsim.kernels.sensing import noise_steps as kernels

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from amorsim.arrays import Array, Bools, Ints
+from amorsim.array_types import Array, Bools, Ints
 from amorsim.core.unknown_names import no_such
 
 __all__ = ["PoseVector", "RobotReading", "RobotReadings"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 
 __all__ = ["DROP", "Patch"]
 

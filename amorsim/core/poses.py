@@ -5,7 +5,7 @@ from __future__ import annotations
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.arguments import is_numeric, numbers
 from amorsim.core.error_text import in_words
 from amorsim.core.parameters import ParameterError, parameter

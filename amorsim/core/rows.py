@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.arrays import AnyArray
+from amorsim.array_types import AnyArray
 from amorsim.core.arguments import checked
 from amorsim.core.error_text import in_words
 from amorsim.core.numbers import is_number

@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.core.arguments import checked
 from amorsim.core.errors import ShapeError
 from amorsim.kernels.collision.footprints import Bodies

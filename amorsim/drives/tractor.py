@@ -9,7 +9,7 @@ from typing import ClassVar
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Draws, Joint, Part, State, parameter
 from amorsim.core.parameters import ParameterError, own_first
 from amorsim.core.poses import compose, logarithm

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from amorsim.arrays import Bools
+from amorsim.array_types import Bools
 from amorsim.contracts import Measurement, RobotModel
 from amorsim.core.errors import ComponentError
 from amorsim.kernels.number_checks import first_late

@@ -5,7 +5,7 @@ from __future__ import annotations
 import attrs
 
 from amorsim.estimators.kalman import KalmanFilter
-from amorsim.kernels.filters.points import Transform
+from amorsim.kernels.filters.unscented import Transform
 
 __all__ = ["Ekf"]
 

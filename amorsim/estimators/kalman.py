@@ -15,7 +15,7 @@ from typing import Any
 import attrs
 import numpy as np
 
-from amorsim.arrays import AnyArray, Array, Bools
+from amorsim.array_types import AnyArray, Array, Bools
 from amorsim.contracts import (
     Beliefs,
     Context,
@@ -35,7 +35,7 @@ from amorsim.estimators.ages import bind_fresh
 from amorsim.estimators.initial_beliefs import covariance_at_start, refuse_lost
 from amorsim.estimators.kalman_sources import SOURCES, check_sources, noise_in_words
 from amorsim.estimators.wheels import Counted, bind_readings, bind_step, check_encoder
-from amorsim.kernels.filters import compatible, ekf, landmarks, points
+from amorsim.kernels.filters import compatible, ekf, landmarks, unscented
 from amorsim.kernels.filters.updates import MATCH, NIS, RECORD, USED, Gaussians
 from amorsim.kernels.kinematics import odometry
 
@@ -120,7 +120,7 @@ class KalmanFilter(Estimator):
         return type(self).__name__.lower()
 
     @abc.abstractmethod
-    def transform(self) -> points.Transform:
+    def transform(self) -> unscented.Transform:
         """The transform from the state to the expected measurement."""
 
     def sources(self) -> Sequence[tuple[str, str, str]]:
@@ -203,7 +203,7 @@ class KalmanFilter(Estimator):
         variance: Any = self.wheel_variance
         carry_on = functools.partial(odometry.reckon, belief.mean, none, *step, variance, pose, noise)
         walk = np.array(np.broadcast_to(self.gyro_bias_walk**2, (robot.rows, 1)))
-        growth, transform, room = np.empty((robot.rows, 1)), self.transform(), points.work()
+        growth, transform, room = np.empty((robot.rows, 1)), self.transform(), unscented.work()
         predict = functools.partial(ekf.predict, belief, pose, noise, growth, transform, room)
         by_arcs, stays, failed = bool(self.landmarks), self.on_failure == "end", state["failed"]
 
@@ -257,7 +257,7 @@ class KalmanFilter(Estimator):
         return state["failed"]
 
     def _bind_corrections(
-        self, at: EstimatorBinding, belief: Gaussians, turn: Array, counted: Counted, noise: Array, room: points.Work
+        self, at: EstimatorBinding, belief: Gaussians, turn: Array, counted: Counted, noise: Array, room: unscented.Work
     ) -> Iterator[Callable[[], None]]:
         """Functions that correct by each sensor.
 

@@ -10,7 +10,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from amorsim.arrays import Array, Ints, Ints32
+from amorsim.array_types import Array, Ints, Ints32
 from amorsim.contracts import RobotModel
 from amorsim.core.errors import ComponentError, MapError
 from amorsim.core.maps.free_places import free_places

@@ -9,7 +9,7 @@ from typing import Any
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import parameter
 from amorsim.core.errors import ComponentError
 from amorsim.kernels.mapping.occupancy import Evidence

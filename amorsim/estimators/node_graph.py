@@ -11,7 +11,7 @@ import numpy as np
 from amorsim.algorithms.pose_graph import PoseGraph, covariance_of, optimize_robustly
 from amorsim.algorithms.pose_graph.robust import RobustOptimum, weighted
 from amorsim.algorithms.pose_graph.solve import squared_errors
-from amorsim.arrays import Array, Bools, Ints
+from amorsim.array_types import Array, Bools, Ints
 from amorsim.contracts import State
 from amorsim.core.errors import GraphError
 from amorsim.core.poses import compose, relative, wrap_angle

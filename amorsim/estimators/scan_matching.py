@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import attrs
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Context, Draws, Estimate, Measurement, RobotModel, State
 from amorsim.estimators.scan_tracking import ScanTracker
 

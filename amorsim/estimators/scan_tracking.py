@@ -9,7 +9,7 @@ from typing import Any
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array, Bools
+from amorsim.array_types import Array, Bools
 from amorsim.contracts import (
     Beliefs,
     Context,

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from amorsim.arrays import Array, Bools
+from amorsim.array_types import Array, Bools
 from amorsim.contracts import RobotModel
 from amorsim.core.errors import ComponentError
 from amorsim.core.poses import compose

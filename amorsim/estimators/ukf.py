@@ -8,7 +8,7 @@ import attrs
 
 from amorsim.contracts import parameter
 from amorsim.estimators.kalman import KalmanFilter
-from amorsim.kernels.filters.points import Transform
+from amorsim.kernels.filters.unscented import Transform
 
 __all__ = ["Ukf"]
 

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import attrs
 import numpy as np
 
-from amorsim.arrays import AnyArray, Array
+from amorsim.array_types import AnyArray, Array
 from amorsim.contracts import Beliefs, Context, Draws, Estimate, Estimator, Measurement, RobotModel, State
 from amorsim.core.error_text import RAISED, in_words
 from amorsim.core.errors import ComponentError

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from amorsim.arrays import Array, Bools, Ints
+from amorsim.array_types import Array, Bools, Ints
 from amorsim.contracts import Drive, Joint, Measurement, RobotModel
 from amorsim.core.errors import ComponentError, did_you_mean
 from amorsim.core.execution.workers import in_turn

@@ -21,7 +21,7 @@ from typing import Any, ClassVar, NamedTuple
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array, Bools
+from amorsim.array_types import Array, Bools
 from amorsim.contracts import MapLoader, ScenarioDocument, ScenarioLoader
 from amorsim.core.errors import Fault, MapError, ScenarioError
 from amorsim.core.maps.map import Map

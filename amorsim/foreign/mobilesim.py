@@ -12,7 +12,7 @@ from typing import Any, ClassVar, NamedTuple
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import MapLoader, ScenarioDocument, ScenarioLoader
 from amorsim.core.errors import MapError, ScenarioError
 from amorsim.core.maps.cell_lines import extent_of

@@ -34,7 +34,7 @@ from amorsim.grading.submitted_text import as_line
 from amorsim.runs.folder import check_free
 from amorsim.scenario.reading.read import load
 from amorsim.scenario.spec import Scenario
-from amorsim.simulation.keeping import Keeper
+from amorsim.simulation.kept_quantities import Keeper
 from amorsim.simulation.simulation import Simulation
 from amorsim.sweeps.chunk import episode_at, ignore_interrupts, measure_episode, without_interrupts
 

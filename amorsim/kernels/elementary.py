@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.kernels.compile import kernel
 
 __all__ = ["arccos", "arctan2", "exp", "expm1", "log", "log1p", "power"]

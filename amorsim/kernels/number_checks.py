@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from amorsim.arrays import Array, Bools, Ints
+from amorsim.array_types import Array, Bools, Ints
 from amorsim.kernels.compile import kernel
 
 __all__ = ["all_finite", "all_indices", "first_late", "has_nan"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.kernels.compile import part
 
 __all__ = ["sort"]

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 
-from amorsim.arrays import AnyArray
+from amorsim.array_types import AnyArray
 from amorsim.core.error_text import in_words
 
 __all__ = ["Evaluation", "evaluate"]

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from amorsim.arrays import AnyArray, Array, Bools
+from amorsim.array_types import AnyArray, Array, Bools
 from amorsim.contracts import Task
 from amorsim.learning.worlds import Worlds
 from amorsim.scenario.spec import Scenario

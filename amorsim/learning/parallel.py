@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from pettingzoo import ParallelEnv
 
-from amorsim.arrays import AnyArray, Array, Bools
+from amorsim.array_types import AnyArray, Array, Bools
 from amorsim.contracts import Task
 from amorsim.learning.pictures import RENDER_MODES, Pictures, check_render_mode, goals_in
 from amorsim.learning.worlds import Worlds

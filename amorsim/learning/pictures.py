@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import State
 from amorsim.core.errors import AmorsimError
 from amorsim.core.shapes import Shape

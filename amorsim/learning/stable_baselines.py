@@ -10,7 +10,7 @@ import numpy.typing as npt
 from gymnasium.vector import AutoresetMode
 from stable_baselines3.common.vec_env import VecEnv
 
-from amorsim.arrays import AnyArray, Bools
+from amorsim.array_types import AnyArray, Bools
 from amorsim.core.errors import AmorsimError
 from amorsim.learning.vector import SimulationVectorEnv
 

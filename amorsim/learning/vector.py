@@ -11,7 +11,7 @@ import numpy.typing as npt
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from amorsim.arrays import Array, Bools
+from amorsim.array_types import Array, Bools
 from amorsim.contracts import Controller, StepOutcome, Task
 from amorsim.core.errors import AmorsimError
 from amorsim.learning.pictures import RENDER_MODES, Pictures, check_render_mode, goals_in

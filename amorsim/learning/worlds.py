@@ -13,7 +13,7 @@ import attrs
 import gymnasium as gym
 import numpy as np
 
-from amorsim.arrays import AnyArray, Array, Bools, Ints
+from amorsim.array_types import AnyArray, Array, Bools, Ints
 from amorsim.contracts import Controller, Draws, Observable, State, StepOutcome, Task
 from amorsim.controllers.manual import Manual
 from amorsim.core.draws import stream_key

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from amorsim.arrays import Ints32
+from amorsim.array_types import Ints32
 from amorsim.contracts import MapLoader
 from amorsim.core.errors import MapError
 from amorsim.core.files.reading import is_file

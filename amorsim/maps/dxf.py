@@ -17,7 +17,7 @@ from amorsim.core.errors import MapError, did_you_mean
 from amorsim.core.files.reading import read_bytes, reason
 from amorsim.core.maps.map import Map
 from amorsim.core.parameters import parameter
-from amorsim.maps.drawing import Drawing, chord_error
+from amorsim.maps.drawn_lines import Drawing, chord_error
 
 __all__ = ["Dxf"]
 

@@ -18,7 +18,7 @@ from amorsim.core.maps.cell_lines import extent_of, wall_lines
 from amorsim.core.maps.map import Map
 from amorsim.core.numbers import is_number
 from amorsim.core.parameters import parameter
-from amorsim.maps.drawing import Drawing
+from amorsim.maps.drawn_lines import Drawing
 
 __all__ = ["GeoJson"]
 

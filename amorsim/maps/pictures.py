@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import ExifTags, Image, UnidentifiedImageError
 
-from amorsim.arrays import AnyArray, Ints
+from amorsim.array_types import AnyArray, Ints
 from amorsim.core.errors import MapError
 from amorsim.core.files.reading import check_readable, reason
 from amorsim.core.maps.map import Map

@@ -17,7 +17,7 @@ from amorsim.core.errors import MapError
 from amorsim.core.maps.cell_lines import extent_of, wall_lines
 from amorsim.core.maps.map import Map
 from amorsim.core.parameters import LARGEST, SMALLEST, parameter
-from amorsim.maps.drawing import Drawing, chord_error
+from amorsim.maps.drawn_lines import Drawing, chord_error
 from amorsim.maps.svg_xml import Viewport, length, local, parse_svg, prepare
 
 __all__ = ["Svg"]

@@ -12,7 +12,7 @@ from xml.parsers import expat
 
 from amorsim.core.errors import MapError
 from amorsim.core.files.reading import read_bytes, reason
-from amorsim.maps.drawing import Drawing
+from amorsim.maps.drawn_lines import Drawing
 
 __all__ = ["Lines", "Viewport", "length", "local", "parse_svg", "prepare"]
 

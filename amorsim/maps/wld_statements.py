@@ -29,7 +29,7 @@ from typing import NamedTuple
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.errors import MapError, did_you_mean
 
 __all__ = ["PUSH_SIGNS", "LineWorld", "WallLine", "begins_a_world", "direction", "parse_world"]

@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 
 from amorsim.algorithms.consistency import nees
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Episode, Metric, parameter
 from amorsim.core.parameters import ParameterError
 from amorsim.core.poses import wrap_angle

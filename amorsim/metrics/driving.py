@@ -8,7 +8,7 @@ from typing import ClassVar
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array, Bools
+from amorsim.array_types import Array, Bools
 from amorsim.contracts import Episode, Metric, parameter
 from amorsim.core.poses import wrap_angle
 from amorsim.metrics.jumps import before_steps

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.algorithms.map_scores import MapScores, map_scores
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Episode, Metric, parameter
 from amorsim.core.maps.map import Map
 from amorsim.core.poses import compose, relative

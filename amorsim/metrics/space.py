@@ -8,7 +8,7 @@ from typing import ClassVar
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Episode, Metric, parameter
 from amorsim.core.maps.footprint_room import wall_gaps
 

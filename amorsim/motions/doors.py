@@ -8,7 +8,7 @@ import math
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array, Bools, Ints
+from amorsim.array_types import Array, Bools, Ints
 from amorsim.contracts import Context, Draws, Motion, State, View, parameter
 from amorsim.core.parameters import ParameterError
 from amorsim.core.poses import wrap_angle

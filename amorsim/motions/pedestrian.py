@@ -9,7 +9,7 @@ from typing import Any
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.contracts import Context, Draws, Motion, State, View, parameter
 from amorsim.kernels import elementary
 from amorsim.kernels.behaviours.social_force import NEGLIGIBLE, Passers, Walls, range_of, social_forces

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Context, Draws, Motion, State, View, parameter
 from amorsim.core.parameters import ParameterError
 from amorsim.kernels import elementary

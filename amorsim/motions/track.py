@@ -13,7 +13,7 @@ from typing import NamedTuple
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Context, Draws, Motion, State, View, parameter
 from amorsim.core.errors import ComponentError, did_you_mean
 from amorsim.core.files.reading import read_text, reason

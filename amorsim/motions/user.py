@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Context, Draws, Motion, State, View
 from amorsim.core.error_text import RAISED, in_words
 from amorsim.core.errors import ComponentError

@@ -5,7 +5,7 @@ from __future__ import annotations
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Context, Draws, Motion, State, View, parameter
 from amorsim.motions.ways import blocked_for, displacement, facing
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import attrs
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Draws, Noise, State, parameter
 from amorsim.kernels.sensing import noise_elements
 

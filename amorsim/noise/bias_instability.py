@@ -8,7 +8,7 @@ from typing import Any
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Context, Draws, Noise, State, parameter
 from amorsim.kernels.sensing import noise_elements
 

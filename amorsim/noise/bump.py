@@ -8,7 +8,7 @@ from typing import ClassVar
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Context, Draws, Noise, State, parameter
 from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import ParameterError

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import attrs
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Draws, Noise, State, parameter
 from amorsim.kernels.sensing import noise_elements
 

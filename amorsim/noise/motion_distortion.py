@@ -5,7 +5,7 @@ from __future__ import annotations
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Aim, Context, Draws, Noise, State, parameter
 
 __all__ = ["MotionDistortion"]

@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 
 from amorsim.algorithms.curves import Curve, all_curves
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Plan
 from amorsim.core.maps.map import Map
 from amorsim.core.parameters import parameter

@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 
 from amorsim.algorithms.cells import free_cells
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Plan
 from amorsim.core.maps.map import Map
 from amorsim.core.parameters import ParameterError, parameter

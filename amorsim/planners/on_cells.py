@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.algorithms.cells import Cells, free_cells
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Plan, Planner
 from amorsim.core.errors import PlanError
 from amorsim.core.maps.map import Map

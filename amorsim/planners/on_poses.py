@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 
 from amorsim.algorithms.cells import check_map, free_cells, place_of
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Plan, Planner
 from amorsim.core.errors import PlanError
 from amorsim.core.maps.map import Map

@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 
 from amorsim.algorithms.cells import Cells, gaps_to_walls, place_of
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Plan
 from amorsim.core.errors import PlanError
 from amorsim.core.maps.map import Map

@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 
 from amorsim.algorithms.cells import Cells
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.parameters import parameter
 from amorsim.kernels.search.roadmap import search_roadmap, spread_places
 from amorsim.planners.sampling import Grown, SamplingPlanner

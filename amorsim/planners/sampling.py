@@ -11,7 +11,7 @@ import attrs
 import numpy as np
 
 from amorsim.algorithms.cells import Cells, place_of
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Plan
 from amorsim.core.maps.cell_lines import placed
 from amorsim.core.maps.map import Map

@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 
 from amorsim.algorithms.cells import Cells
-from amorsim.arrays import Ints32
+from amorsim.array_types import Ints32
 from amorsim.core.parameters import parameter
 from amorsim.kernels.search.any_angle import expand_any_angle
 from amorsim.planners.grid_planner import Found, GridPlanner, found_by, run_search

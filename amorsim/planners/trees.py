@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 
 from amorsim.algorithms.cells import Cells
-from amorsim.arrays import Array, Ints32
+from amorsim.array_types import Array, Ints32
 from amorsim.core.parameters import parameter
 from amorsim.kernels.search.any_angle import is_open_line
 from amorsim.kernels.search.trees import Ground, Tree, connect, grow, improve, new_tree

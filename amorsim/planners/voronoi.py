@@ -6,7 +6,7 @@ import attrs
 import numpy as np
 
 from amorsim.algorithms.cells import Cells, gaps_to_walls
-from amorsim.arrays import Ints32
+from amorsim.array_types import Ints32
 from amorsim.kernels.search.weighted import expand_priced
 from amorsim.planners.grid_planner import Found, GridPlanner, found_by, octile_length, run_search
 from amorsim.planners.on_cells import are_joined

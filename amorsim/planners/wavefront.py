@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 
 from amorsim.algorithms.cells import Cells, place_of
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.errors import PlanError
 from amorsim.core.maps.map import Map
 from amorsim.core.shapes import Shape

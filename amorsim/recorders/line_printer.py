@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.kernels.text.decimals import EMPTY, EXACT, MISSING, NAME, SPAN, WIDEST, write_lines
 from amorsim.kernels.text.shortest import powers_of_ten
 

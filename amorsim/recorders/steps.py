@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from amorsim.arrays import AnyArray, Array, Ints
+from amorsim.array_types import AnyArray, Array, Ints
 from amorsim.contracts import Frame
 from amorsim.recorders.line_printer import Span
 

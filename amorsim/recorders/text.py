@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.contracts import Frame, ObstacleFrame, Recorder, RunInfo
 from amorsim.core.errors import RunError
 from amorsim.core.poses import logarithm, relative

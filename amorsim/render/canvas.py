@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-from amorsim.arrays import Bools
+from amorsim.array_types import Bools
 
 __all__ = ["FINENESS", "Canvas"]
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from amorsim.core.patches import DROP, Patch
 from amorsim.render import marks
 from amorsim.render.canvas import Canvas
-from amorsim.render.things import draw_lamp, draw_landmark, draw_obstacle
+from amorsim.render.obstacles import draw_lamp, draw_landmark, draw_obstacle
 
 __all__ = ["Item", "items_of"]
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from PIL import Image, ImageDraw
 
-from amorsim.arrays import Bools
+from amorsim.array_types import Bools
 from amorsim.core.arguments import whole
 from amorsim.core.maps.map import Map
 from amorsim.core.parameters import ParameterError
@@ -19,8 +19,8 @@ from amorsim.render.canvas import FINENESS, Canvas
 from amorsim.render.labels import write_names
 from amorsim.render.legend import Item, items_of
 from amorsim.render.marks import COLOURS
+from amorsim.render.obstacles import Thing, draw_thing
 from amorsim.render.robot_paths import Points, RobotPath, finite, points_of
-from amorsim.render.things import Thing, draw_thing
 from amorsim.render.words import font, in_words, round_length, shortened
 
 __all__ = ["LARGEST", "SMALLEST", "Page", "checked_size", "draw_map", "draw_run"]

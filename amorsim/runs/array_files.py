@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from amorsim.arrays import AnyArray
+from amorsim.array_types import AnyArray
 from amorsim.core.errors import RunError
 from amorsim.core.files.reading import check_readable, reason
 

@@ -13,7 +13,7 @@ from typing import TextIO
 import attrs
 import numpy as np
 
-from amorsim.arrays import AnyArray
+from amorsim.array_types import AnyArray
 from amorsim.core.errors import RunError
 from amorsim.runs.array_files import read_arrays, sizes_of
 from amorsim.runs.tables import LONGEST_LINE, check_file

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from PIL import Image
 
-from amorsim.arrays import AnyArray, Array
+from amorsim.array_types import AnyArray, Array
 from amorsim.core.arguments import checked
 from amorsim.core.error_text import in_words
 from amorsim.core.errors import AmorsimError

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.render.animation import Shown
 from amorsim.runs.video_writer import Reel, shown_bodies
 from amorsim.simulation.simulation import Simulation

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import attrs
 import numpy as np
 
-from amorsim.arrays import AnyArray
+from amorsim.array_types import AnyArray
 from amorsim.core.errors import RunError
 from amorsim.core.unknown_names import no_such
 

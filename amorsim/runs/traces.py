@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Frame
 from amorsim.core.poses import compose
 from amorsim.core.shapes import Shape
+from amorsim.render.obstacles import Thing
 from amorsim.render.robot_paths import RobotPath
-from amorsim.render.things import Thing
 from amorsim.scenario.colours import robot_colours
 from amorsim.scenario.spec import Scenario
 from amorsim.simulation.simulation import Simulation

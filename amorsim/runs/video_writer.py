@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.errors import RunError
 from amorsim.core.files.reading import is_folder
 from amorsim.core.maps.map import Map

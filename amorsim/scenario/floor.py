@@ -9,7 +9,7 @@ from collections.abc import Iterable
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import parameter
 from amorsim.core.parameters import ParameterError
 from amorsim.core.patches import DROP, Patch

@@ -15,7 +15,7 @@ from typing import Any
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Controller, Drive, Estimator, Motion, Mount, Noise, Recorder, Sensor, Task, parameter
 from amorsim.controllers.user import UserController
 from amorsim.core.arguments import is_list

@@ -12,7 +12,7 @@ import attrs
 import numpy as np
 from PIL import ImageColor
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.contracts import Aim, Context, Draws, Drive, Sensor, State, View, parameter
 from amorsim.core.parameters import ParameterError
 from amorsim.core.poses import compose, wrap_angle

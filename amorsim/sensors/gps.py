@@ -9,7 +9,7 @@ from typing import ClassVar
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Aim, Draws, Drive, Sensor, State, View, parameter
 from amorsim.kernels.sensing import readings
 

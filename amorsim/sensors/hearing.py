@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from amorsim.arrays import Array, Bools, Ints
+from amorsim.array_types import Array, Bools, Ints
 from amorsim.contracts import Emissions, View
 from amorsim.kernels.sensing import acoustics, earshot
 

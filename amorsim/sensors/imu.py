@@ -9,7 +9,7 @@ from typing import ClassVar
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Aim, Context, Draws, Drive, Sensor, State, View
 from amorsim.kernels.sensing import readings
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.contracts import Directions, View
 from amorsim.core.poses import wrap_angle
 from amorsim.kernels.sensing import slopes

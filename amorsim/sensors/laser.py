@@ -10,14 +10,14 @@ from typing import Any, ClassVar
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Aim, Directions, Draws, Drive, Sensor, SensorBinding, Side, State, View, parameter
 from amorsim.core.execution.workers import at_first_call, in_turn
 from amorsim.core.parameters import ParameterError
 from amorsim.kernels.kinematics import poses
 from amorsim.kernels.sensing import readings
+from amorsim.sensors.beam_poses import poses_at
 from amorsim.sensors.incidence import bind_incidence
-from amorsim.sensors.sweep import poses_at
 
 __all__ = ["Laser"]
 

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Aim, Draws, Drive, Sensor, State, View, parameter
 from amorsim.kernels.sensing.heard import Senders, hear_nearest
 from amorsim.sensors.slots import table_of

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Aim, View
 from amorsim.core.parameters import ParameterError
 from amorsim.kernels.sensing import readings
-from amorsim.sensors.sweep import poses_at
+from amorsim.sensors.beam_poses import poses_at
 
 __all__ = ["check_table", "ring_poses", "ring_size"]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts.side import Side
 
 __all__ = ["table_of"]

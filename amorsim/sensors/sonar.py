@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Aim, Draws, Drive, Emission, Mount, Sensor, SensorBinding, Side, State, View, parameter
 from amorsim.core.execution.workers import at_first_call, in_turn
 from amorsim.core.parameters import ParameterError

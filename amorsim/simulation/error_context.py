@@ -8,7 +8,7 @@ from typing import Any, Concatenate, NoReturn, ParamSpec, Protocol, TypeVar
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Controller
 from amorsim.core.error_text import RAISED, error_in_words
 from amorsim.core.errors import AmorsimError, ComponentError, ControllerError

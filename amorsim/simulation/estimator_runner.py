@@ -11,7 +11,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.arrays import AnyArray, Array
+from amorsim.array_types import AnyArray, Array
 from amorsim.contracts import Beliefs, Context, Estimate, Estimator, Frame, LazyBeliefs, Measurement
 from amorsim.core.arguments import check_kind, whole
 from amorsim.core.error_text import in_words
@@ -24,12 +24,12 @@ from amorsim.simulation.estimation.beliefs import beliefs_of_step
 from amorsim.simulation.estimation.estimating import Estimators
 from amorsim.simulation.estimation.feeding import FeedingError, feeding_order
 from amorsim.simulation.estimation.first_beliefs import BELIEF, first_beliefs
-from amorsim.simulation.fleet.alike import channels_of, poses_of, reading_size, robot_model
 from amorsim.simulation.fleet.drive_check import check_drive
+from amorsim.simulation.fleet.grouping import channels_of, poses_of, reading_size, robot_model
 from amorsim.simulation.handle import finite_numbers
 from amorsim.simulation.row_clock import RowClock
 from amorsim.simulation.schedule import Call, walk
-from amorsim.simulation.sensing.copies import Copies
+from amorsim.simulation.sensing.copied_readings import Copies
 from amorsim.simulation.sensing.noise_chain import Streams
 from amorsim.worlds.drawn import map_of
 

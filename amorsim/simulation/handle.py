@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.arrays import Array, Bools, Ints
+from amorsim.array_types import Array, Bools, Ints
 from amorsim.contracts import Estimate, Measurement, RobotModel
 from amorsim.contracts.joints import joints_of
 from amorsim.controllers.abilities import command_along

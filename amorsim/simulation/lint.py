@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 import shapely
 
-from amorsim.arrays import Bools
+from amorsim.array_types import Bools
 from amorsim.contracts import Controller, Motion
 from amorsim.core.errors import ComponentError, MapError
 from amorsim.core.maps.connectivity import shut_off

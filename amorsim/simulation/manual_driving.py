@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts.joints import joints_of
 from amorsim.controllers.abilities import command_along
 from amorsim.controllers.manual import limited

@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Draws, Noise, State
 from amorsim.core.arguments import check_kind, checked, whole
 from amorsim.core.errors import AmorsimError

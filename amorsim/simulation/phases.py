@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.errors import AmorsimError
 from amorsim.simulation.contact.contact_ends import still_near
 from amorsim.simulation.contact.resolve import WALL, Contact

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from amorsim.arrays import Ints
+from amorsim.array_types import Ints
 from amorsim.contracts import Clock
 from amorsim.kernels.clock import advance_clocks
 

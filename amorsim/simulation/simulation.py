@@ -8,7 +8,7 @@ from typing import Annotated, Any, overload
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.arrays import AnyArray, Array, Bools, Ints
+from amorsim.array_types import AnyArray, Array, Bools, Ints
 from amorsim.contracts import Frame, ObstacleFrame, TrueState
 from amorsim.core.arguments import check_kind, checked, real, whole
 from amorsim.core.display import in_notebook
@@ -33,10 +33,10 @@ from amorsim.simulation.checked_arguments import (
 from amorsim.simulation.events import Event
 from amorsim.simulation.fleet.fleet import Fleet
 from amorsim.simulation.handle import Known, ObstacleHandle, Reading, Readings, RobotHandle, finite_numbers
-from amorsim.simulation.keeping import Keeper
+from amorsim.simulation.kept_quantities import Keeper
 from amorsim.simulation.manual_driving import drive_all
 from amorsim.simulation.schedule import Schedule
-from amorsim.simulation.state import changes
+from amorsim.simulation.state import interventions
 from amorsim.simulation.state.gathering import digest_of, gathered, touching_robots
 from amorsim.simulation.state.regroup import frames_as
 from amorsim.simulation.state.restart import begin_episode, fleet_fitting
@@ -178,7 +178,7 @@ class Simulation:
             for name, pose in self._fleet.kidnappings.get(tick, ())
         ]
         if moves:
-            changes.move(self._fleet, moves, "kidnapped")
+            interventions.move(self._fleet, moves, "kidnapped")
 
     @overload
     def run(self, duration: float | None = None, *, progress: bool = True) -> None: ...
@@ -430,7 +430,7 @@ class Simulation:
         numbers = finite_numbers(pose)
         if numbers is None or len(numbers) != 3:
             raise AmorsimError(f"robot {name!r}: expected a pose of three finite numbers, got {in_words(pose)}")
-        changes.move(self._fleet, [(handle, tuple(numbers))], "pose_set")
+        interventions.move(self._fleet, [(handle, tuple(numbers))], "pose_set")
 
     def set(self, name: str, path: str, value: Any, *, replica: int | None = None) -> None:
         """Change a parameter of a robot from the next step on; in one replica, or in all if none is given.
@@ -445,14 +445,14 @@ class Simulation:
         """
         if not is_chain(path):
             numbers = self.replicas if replica is None else (replica,)
-            changes.set_parameter(self._fleet, [self.robot(name, number) for number in numbers], path, value)
+            interventions.set_parameter(self._fleet, [self.robot(name, number) for number in numbers], path, value)
             return
         if replica is not None and len(self.replicas) > 1:
             raise AmorsimError(
                 f"robot {name!r}, {path}: a chain changes in all replicas at once; leave out replica={replica}"
             )
         self.robot(name, self.replicas[0])  # is there one?
-        self._hold(changes.with_other_chain(self._fleet, name, path, value))
+        self._hold(interventions.with_other_chain(self._fleet, name, path, value))
 
     def drive(self, name: str, forward: Any = 0.0, turn: Any = 0.0, left: Any = 0.0) -> None:
         """Set the velocity of a robot in all replicas at once: forward [m/s], turn [rad/s], left [m/s].
@@ -485,7 +485,7 @@ class Simulation:
         AmorsimError
             If the robot has no controller to hand back to.
         """
-        changes.hand_over(self._fleet, self.robot(name, replica), to)
+        interventions.hand_over(self._fleet, self.robot(name, replica), to)
 
     @checked
     def reset(

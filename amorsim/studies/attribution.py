@@ -8,14 +8,14 @@ from collections.abc import Sequence
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.controllers.manual import Manual
 from amorsim.core.errors import AmorsimError
 from amorsim.core.poses import compose, relative
 from amorsim.core.rows import stack
 from amorsim.scenario.spec import Robot, Scenario
 from amorsim.simulation.simulation import Simulation
-from amorsim.studies.bench import (
+from amorsim.studies.robot_under_test import (
     alone,
     chosen_robot,
     empty_world,

@@ -16,7 +16,7 @@ import numpy as np
 
 from amorsim.algorithms.intervals import Interval, mean_interval
 from amorsim.algorithms.least_squares import linear_fit
-from amorsim.arrays import Array, Bools, Ints
+from amorsim.array_types import Array, Bools, Ints
 from amorsim.contracts import Draws, Drive, Joint, State
 from amorsim.controllers.manual import Manual
 from amorsim.core.errors import AmorsimError, did_you_mean
@@ -25,7 +25,7 @@ from amorsim.scenario.spec import Pose, Robot, Scenario
 from amorsim.sensors.compass import Compass
 from amorsim.sensors.gyro import Gyro
 from amorsim.simulation.simulation import Simulation
-from amorsim.studies.bench import alone, chosen_robot, empty_world, with_known_place, with_settled_errors
+from amorsim.studies.robot_under_test import alone, chosen_robot, empty_world, with_known_place, with_settled_errors
 
 __all__ = ["RangeCalibration", "calibrate_compass", "calibrate_gyro", "calibrate_range"]
 

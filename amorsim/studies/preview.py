@@ -5,13 +5,13 @@ from __future__ import annotations
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.controllers.square import Square
 from amorsim.core.errors import AmorsimError
 from amorsim.core.poses import wrap_angle
 from amorsim.scenario.spec import Deviation, Robot, Scenario
 from amorsim.simulation.simulation import Simulation
-from amorsim.studies.bench import alone, empty_world, only_odometry, with_known_place
+from amorsim.studies.robot_under_test import alone, empty_world, only_odometry, with_known_place
 
 __all__ = ["SquarePreview", "preview_noise", "preview_square"]
 

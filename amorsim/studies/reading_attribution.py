@@ -7,14 +7,14 @@ import math
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array, Bools
+from amorsim.array_types import Array, Bools
 from amorsim.controllers.manual import Manual
 from amorsim.core.errors import AmorsimError
 from amorsim.core.poses import wrap_angle
 from amorsim.core.unknown_names import no_such
 from amorsim.scenario.spec import MountedSensor, Robot, Scenario
 from amorsim.simulation.simulation import Simulation
-from amorsim.studies.bench import chosen_robot
+from amorsim.studies.robot_under_test import chosen_robot
 
 __all__ = ["ReadingAttribution", "ReadingCase", "attribute_readings"]
 

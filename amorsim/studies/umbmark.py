@@ -18,7 +18,7 @@ from amorsim.algorithms.umbmark import (
     published_figures,
     systematic_error,
 )
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.controllers.square import Square
 from amorsim.core.errors import AmorsimError
 from amorsim.core.poses import compose, relative
@@ -26,7 +26,14 @@ from amorsim.core.rows import stack, take
 from amorsim.drives.differential import Differential
 from amorsim.scenario.spec import Deviation, Robot, Scenario
 from amorsim.simulation.simulation import Simulation
-from amorsim.studies.bench import alone, chosen_robot, empty_world, only_odometry, true_value, with_settled_errors
+from amorsim.studies.robot_under_test import (
+    alone,
+    chosen_robot,
+    empty_world,
+    only_odometry,
+    true_value,
+    with_settled_errors,
+)
 
 __all__ = ["SPEED_MAX", "Squares", "Umbmark", "corrected_scenario", "drive_squares", "fit_squares", "umbmark"]
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import attrs
 import numpy as np
 
-from amorsim.arrays import AnyArray, Array, Bools, Ints
+from amorsim.array_types import AnyArray, Array, Bools, Ints
 from amorsim.contracts import Episode
 from amorsim.core.arguments import texts
 from amorsim.core.error_text import RAISED, error_in_words
@@ -24,7 +24,7 @@ from amorsim.runs.session import RunSession
 from amorsim.scenario.programs.programs import loaded_component
 from amorsim.scenario.reading.read import load
 from amorsim.scenario.spec import Scenario
-from amorsim.simulation.keeping import Keeper
+from amorsim.simulation.kept_quantities import Keeper
 from amorsim.simulation.simulation import Simulation
 from amorsim.sweeps.plan import Chunk, Measured, Plan
 from amorsim.worlds.drawn import origin_of

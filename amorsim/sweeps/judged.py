@@ -10,7 +10,7 @@ from amorsim.core.errors import AmorsimError, StudyError, did_you_mean
 from amorsim.core.parameters import describe
 from amorsim.plugins.manager import default_registry
 from amorsim.scenario.spec import Robot, Scenario
-from amorsim.simulation.keeping import Keeper
+from amorsim.simulation.kept_quantities import Keeper
 from amorsim.simulation.simulation import Simulation
 from amorsim.sweeps.plan import Measured
 

@@ -17,7 +17,7 @@ from amorsim.core.parameters import ParameterError
 from amorsim.runs.folder import RUNS
 from amorsim.scenario.reading.read import load
 from amorsim.scenario.spec import Scenario
-from amorsim.simulation.keeping import Keeper
+from amorsim.simulation.kept_quantities import Keeper
 from amorsim.simulation.simulation import Simulation
 from amorsim.sweeps.chunk import Outcome, quantities, robot_of, with_metrics
 from amorsim.sweeps.executors import Work, check_cluster, in_processes, in_this_process, on_cluster

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from amorsim.arrays import AnyArray, Array
+from amorsim.array_types import AnyArray, Array
 from amorsim.core.arguments import checked, path_of
 from amorsim.core.display import in_notebook
 from amorsim.core.errors import StudyError

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.arrays import Array, Bools
+from amorsim.array_types import Array, Bools
 from amorsim.core.maps.free_places import free_places
 from amorsim.core.maps.map import Map
 from amorsim.kernels.search.field import new_wave, spread

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Observable, RobotModel
 from amorsim.core.errors import ComponentError, did_you_mean
 from amorsim.kernels.sensing.readings import shares_of_range

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from amorsim.arrays import AnyArray, Array
+from amorsim.array_types import AnyArray, Array
 from amorsim.contracts import (
     Aim,
     Context,

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from amorsim.arrays import Array, Bools
+from amorsim.array_types import Array, Bools
 from amorsim.contracts import Drive, Part, State
 from amorsim.core.poses import compose, wrap_angle
 from amorsim.core.rows import stack

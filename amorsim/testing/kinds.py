@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Aim, Controller, Emission, Estimate, Estimator, Motion, Noise, Sensor, State
 from amorsim.core.noise_steps import steps_problem
 from amorsim.scenario.reading.columns import columns_problem

@@ -12,7 +12,7 @@ from amorsim.core.maps.map import Map
 from amorsim.core.poses import compose
 from amorsim.core.shapes import Shape
 from amorsim.simulation.events import Event
-from amorsim.simulation.keeping import LAST, quantity_problem
+from amorsim.simulation.kept_quantities import LAST, quantity_problem
 from amorsim.testing.failure import Who, array_in_words
 
 __all__ = ["check_metric"]

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.contracts import (
     Aim,
     Clock,

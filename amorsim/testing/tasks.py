@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import attrs
 import numpy as np
 
-from amorsim.arrays import AnyArray
+from amorsim.array_types import AnyArray
 from amorsim.contracts import Draws, Observable, StepOutcome, Task, TrueState
 from amorsim.controllers.wander import Wander
 from amorsim.core.draws import stream_key

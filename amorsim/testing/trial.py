@@ -9,7 +9,7 @@ from typing import Any, Generic, TypeVar
 import attrs
 import numpy as np
 
-from amorsim.arrays import AnyArray, Ints
+from amorsim.array_types import AnyArray, Ints
 from amorsim.contracts import State
 from amorsim.core.rows import stack
 from amorsim.simulation.state.snapshot import copy_state

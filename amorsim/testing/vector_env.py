@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from amorsim.arrays import Bools
+from amorsim.array_types import Bools
 from amorsim.core.arguments import check_kind, whole
 
 if TYPE_CHECKING:

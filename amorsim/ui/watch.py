@@ -8,12 +8,12 @@ import time
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.errors import AmorsimError
 from amorsim.simulation.simulation import Simulation
 from amorsim.ui.serve.launch_url import LaunchUrl
 from amorsim.ui.simulator.frames.messages import COMMANDS
-from amorsim.ui.simulator.live import Live
+from amorsim.ui.simulator.in_process import Live
 from amorsim.ui.simulator.show import check_extra
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ import math
 import attrs
 import numpy as np
 
-from amorsim.arrays import Bools
+from amorsim.array_types import Bools
 from amorsim.core.errors import MapError
 from amorsim.core.parameters import parameter
 from amorsim.worlds.caves import neighbours

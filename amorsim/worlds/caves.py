@@ -5,7 +5,7 @@ from __future__ import annotations
 import attrs
 import numpy as np
 
-from amorsim.arrays import Bools, Ints
+from amorsim.array_types import Bools, Ints
 from amorsim.core.errors import MapError
 from amorsim.core.parameters import parameter
 from amorsim.worlds.cells import CellWorld, Sheet

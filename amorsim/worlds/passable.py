@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from amorsim.arrays import Ints, Ints32
+from amorsim.array_types import Ints, Ints32
 from amorsim.core.errors import MapError
 from amorsim.kernels.grid.disc_places import clear_cells, label_parts, number_parts
 

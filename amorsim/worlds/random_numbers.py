@@ -6,7 +6,7 @@ import math
 from collections.abc import MutableSequence
 from typing import Any
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.draws import Draws
 
 __all__ = ["Numbers"]

@@ -14,7 +14,7 @@ import pytest
 import amorsim as am
 from amorsim.analysis import RunFiles, ape, export_run, read_bag, read_log, read_mcap, run_trajectories
 from amorsim.analysis.logs.message_values import command_of, reading_of
-from amorsim.simulation.fleet.alike import reading_size
+from amorsim.simulation.fleet.grouping import reading_size
 
 HALF_DIGIT = 5.1e-7  # files of a run have six digits
 SINGLE = 1e-6  # [m] ROS's scans have single precision

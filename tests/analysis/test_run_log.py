@@ -11,7 +11,7 @@ import pytest
 
 import amorsim as am
 from amorsim.analysis import RunFiles, export_run, read_log
-from amorsim.simulation.fleet.alike import reading_size
+from amorsim.simulation.fleet.grouping import reading_size
 
 DIGIT = 1e-6  # [m, rad] files of a run have six digits
 CHANGES = ["robots.rover.sensors.compass.rate=5.0", "robots.rover.sensors.compass.latency=0.1"]

@@ -297,7 +297,7 @@ def test_the_picture_is_named_relative_to_the_file(tmp_path: Path, monkeypatch: 
 
 @pytest.mark.parametrize("folder", ["run", "{}/run"])
 def test_a_copy_takes_the_picture_along(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, folder: str) -> None:
-    from amorsim.scenario.files.copies import Copies
+    from amorsim.scenario.files.copied_files import Copies
     from amorsim.testing import check_component
 
     path = write(tmp_path, np.full((40, 40), 255), resolution=0.1)

@@ -10,9 +10,9 @@ import amorsim as am
 from amorsim.contracts import Aim
 from amorsim.core.poses import compose, exponential, relative
 from amorsim.noise import AimGaussian, MotionDistortion
+from amorsim.sensors.beam_poses import poses_at
 from amorsim.sensors.laser import Laser
 from amorsim.sensors.sonar import Sonar
-from amorsim.sensors.sweep import poses_at
 from tests import building
 from tests.noise.sampling import Samples
 

@@ -15,9 +15,9 @@ from amorsim.core.maps.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.core.patches import DROP, Patch
 from amorsim.render.marks import COLOURS
+from amorsim.render.obstacles import Thing
 from amorsim.render.picture import draw_map, draw_run
 from amorsim.render.robot_paths import RobotPath
-from amorsim.render.things import Thing
 from tests.examples import settings
 
 NEAR = 70  # of 441: how far apart colours of a smoothed edge and a pure one may be

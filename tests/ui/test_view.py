@@ -20,7 +20,7 @@ import pytest
 import amorsim as am
 from amorsim.cli import main
 from tests.processes import command_line_of
-from tests.ui.serve.test_film import packed, png
+from tests.ui.serve.test_gif import packed, png
 from tests.ui.sessions import in_time, write_project
 from tests.ui.views import View, children_of, cookie_of, drive, until_gone
 

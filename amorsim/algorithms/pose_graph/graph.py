@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.core.arguments import is_numeric
 from amorsim.core.error_text import in_words
 from amorsim.core.errors import GraphError

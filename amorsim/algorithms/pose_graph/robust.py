@@ -15,7 +15,7 @@ import numpy as np
 
 from amorsim.algorithms.pose_graph.graph import PoseGraph
 from amorsim.algorithms.pose_graph.solve import optimize, squared_errors
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.arguments import checked
 from amorsim.core.errors import GraphError
 

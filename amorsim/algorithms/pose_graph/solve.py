@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from amorsim.algorithms.pose_graph.graph import PoseGraph
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.arguments import checked
 from amorsim.core.errors import GraphError
 from amorsim.core.poses import wrap_angle

@@ -13,12 +13,12 @@ import numpy as np
 from amorsim.analysis.logs.message_values import beams_of, nanoseconds_of, quaternion
 from amorsim.analysis.own_columns import own_commands, own_readings
 from amorsim.analysis.run_files import RunFiles, Table
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.errors import AnalysisError, RunError
 from amorsim.core.files.atomic_files import make_folders, new_file
 from amorsim.scenario.spec import MountedSensor, Robot
 from amorsim.sensors import Compass, Encoder, Gps, Gyro, Imu
-from amorsim.simulation.fleet.alike import channels_of
+from amorsim.simulation.fleet.grouping import channels_of
 
 __all__ = ["write_bag"]
 

@@ -37,7 +37,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from amorsim.analysis.logs.run_log import LogEntry
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Sensor
 from amorsim.core.errors import AnalysisError
 from amorsim.core.poses import compose, logarithm, relative

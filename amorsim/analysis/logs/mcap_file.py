@@ -17,7 +17,7 @@ from amorsim.analysis.run_files import RunFiles
 from amorsim.core.errors import AnalysisError
 from amorsim.core.files.atomic_files import replacing
 from amorsim.scenario.spec import Robot
-from amorsim.simulation.fleet.alike import channels_of
+from amorsim.simulation.fleet.grouping import channels_of
 
 __all__ = ["write_mcap"]
 

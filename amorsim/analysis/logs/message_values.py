@@ -10,14 +10,14 @@ import numpy as np
 
 from amorsim.analysis.logs.message_shapes import VALUES
 from amorsim.analysis.trajectory import yaw
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Sensor
 from amorsim.core.errors import AnalysisError
 from amorsim.core.poses import wrap_angle
 from amorsim.core.rows import stack
 from amorsim.scenario.spec import Robot
 from amorsim.sensors import Compass, Encoder, Gps, Gyro, Imu
-from amorsim.simulation.fleet.alike import channels_of
+from amorsim.simulation.fleet.grouping import channels_of
 
 __all__ = ["beams_of", "command_of", "holds_pose", "nanoseconds_of", "pose_of", "quaternion", "reading_of"]
 

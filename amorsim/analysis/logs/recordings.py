@@ -16,7 +16,7 @@ from amorsim.analysis.logs.message_shapes import check_message
 from amorsim.analysis.logs.message_values import command_of, holds_pose, pose_of, reading_of
 from amorsim.analysis.logs.run_log import LogEntry, entries_of_run
 from amorsim.analysis.trajectory import Trajectory
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.arguments import check_kind, path_of
 from amorsim.core.errors import AmorsimError, AnalysisError, did_you_mean
 from amorsim.core.files.json_files import parse_json

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from amorsim.analysis.own_columns import own_commands, own_readings
 from amorsim.analysis.run_files import RunFiles
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.errors import AnalysisError
 from amorsim.scenario.spec import Robot
 

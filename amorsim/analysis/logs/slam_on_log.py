@@ -17,7 +17,7 @@ from amorsim.analysis.logs.recordings import RECORDING, read_log
 from amorsim.analysis.logs.run_log import LogEntry
 from amorsim.analysis.logs.slam_replay import SlamReplay
 from amorsim.analysis.trajectory import Trajectory, write_tum
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Estimator
 from amorsim.core.arguments import check_kind, checked, path_of
 from amorsim.core.errors import AnalysisError

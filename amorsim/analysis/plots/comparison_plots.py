@@ -11,7 +11,7 @@ from amorsim.algorithms.intervals import mean_interval
 from amorsim.analysis.differences import Comparison, metric_of_estimator
 from amorsim.analysis.paired import by_draws
 from amorsim.analysis.plots.figures import tidy
-from amorsim.arrays import Bools, Ints
+from amorsim.array_types import Bools, Ints
 from amorsim.sweeps.table import Study
 
 __all__ = ["draw_comparison", "draw_metric"]

@@ -12,7 +12,7 @@ from matplotlib.transforms import Affine2D
 from amorsim.analysis.plots.figures import TRUE, draw_ellipse, legend, tidy
 from amorsim.analysis.plots.pose_traces import Trace
 from amorsim.analysis.run_files import RunFiles, Table
-from amorsim.arrays import AnyArray
+from amorsim.array_types import AnyArray
 from amorsim.core.errors import RunError
 from amorsim.core.files.json_files import parse_json
 from amorsim.core.shapes import Shape

@@ -9,7 +9,7 @@ import numpy as np
 
 from amorsim.analysis.plots.figures import ESTIMATED, OTHERS
 from amorsim.analysis.run_files import RunFiles
-from amorsim.arrays import AnyArray
+from amorsim.array_types import AnyArray
 from amorsim.core.errors import RunError
 
 __all__ = ["Estimates", "Trace", "read_trace"]

@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 
 from amorsim.analysis.plots.figures import MEASURED, TRUE, compare, legend, new_figure, tidy, unwrapped_gaps
 from amorsim.analysis.run_files import RunFiles
-from amorsim.arrays import AnyArray
+from amorsim.array_types import AnyArray
 from amorsim.contracts import Sensor
 from amorsim.core.errors import RunError
 

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from amorsim.analysis.plots.figures import TRUE, save_figure, tidy
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.render.words import NOTHING, percent
 
 if TYPE_CHECKING:

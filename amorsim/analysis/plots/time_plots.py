@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from amorsim.analysis.plots.figures import ESTIMATED, MEASURED, TRUE, band, compare, legend, new_figure, unwrapped_gaps
 from amorsim.analysis.plots.pose_traces import Trace
 from amorsim.analysis.run_files import RunFiles, Table
-from amorsim.arrays import AnyArray
+from amorsim.array_types import AnyArray
 
 __all__ = ["ERRORS", "draw_error", "draw_heading", "draw_speed", "draw_wheels", "fit_errors"]
 

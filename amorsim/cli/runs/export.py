@@ -27,7 +27,7 @@ def command(
     estimated; parquet has all tables; mcap opens in Foxglove; rosbag is a rosbag2, for ROS 2.
     """
     if to == "html":
-        from amorsim.ui.run_page.document import run_page
+        from amorsim.ui.run_page.html_file import run_page
 
         if out is not None:
             _make(out)

@@ -35,7 +35,7 @@ def command(
     window goes into the current folder. If the scenario file has faults, the window shows them until you mend it.
     """
     from amorsim.core.errors import ScenarioError
-    from amorsim.ui.faults.lines import FaultsError, lines_of
+    from amorsim.ui.faults.shown_faults import FaultsError, lines_of
     from amorsim.ui.simulator.show import can_be_mended, check_extra, show
 
     check_extra()

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from amorsim.arrays import Array, Bools, Ints, Ints32
+from amorsim.array_types import Array, Bools, Ints, Ints32
 from amorsim.core.maps.map import Map, Place
 
 __all__ = ["extent_of", "placed", "to_world", "wall_lines"]

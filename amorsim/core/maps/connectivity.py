@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from amorsim.arrays import Array, Bools
+from amorsim.array_types import Array, Bools
 from amorsim.core.maps.map import Map
 from amorsim.core.maps.roomiest_place import joined_to
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from amorsim.arrays import AnyArray
+from amorsim.array_types import AnyArray
 from amorsim.core.arguments import checked
 from amorsim.core.errors import MapError
 from amorsim.core.maps.map import Map

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.errors import MapError
 from amorsim.core.maps.free_places import LARGER, freest_place, roomy_places
 from amorsim.core.maps.map import Map

@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from amorsim.arrays import Bools
+from amorsim.array_types import Bools
 from amorsim.core.maps.cell_lines import to_world
 from amorsim.core.maps.map import Map
 from amorsim.core.maps.same_cells import have_same_cells

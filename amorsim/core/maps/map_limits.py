@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.errors import MapError
 from amorsim.kernels.grid.rasterise import MOST_CELLS
 

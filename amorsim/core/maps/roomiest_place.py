@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from amorsim.arrays import Bools, Ints
+from amorsim.array_types import Bools, Ints
 
 __all__ = ["inside", "joined", "joined_to", "room_about", "roomiest"]
 

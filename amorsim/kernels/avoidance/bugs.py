@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from amorsim.arrays import Array, Bools
+from amorsim.array_types import Array, Bools
 from amorsim.kernels.avoidance.histogram import block_sectors
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.kinematics.poses import wrap

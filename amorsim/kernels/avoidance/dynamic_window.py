@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from amorsim.arrays import Array, Bools
+from amorsim.array_types import Array, Bools
 from amorsim.kernels.avoidance.arcs import Box, distance_to_box, free_time, keep_room
 from amorsim.kernels.avoidance.guide import Guide, ahead_on, find_leg, to_go
 from amorsim.kernels.behaviours.free_space import Sight, see_points

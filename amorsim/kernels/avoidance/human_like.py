@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.kernels.compile import kernel, part
 
 __all__ = ["free_way_among", "human_velocities"]

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from amorsim.arrays import Array, Bools
+from amorsim.array_types import Array, Bools
 from amorsim.kernels.compile import inlined, kernel, part
 
 __all__ = ["hybrid_velocities"]

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.kernels.compile import kernel, part
 
 __all__ = ["half_plane", "nearest_velocity", "reciprocal_velocities"]

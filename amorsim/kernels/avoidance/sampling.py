@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.kernels.avoidance.dynamic_window import Abilities, moved_on
 from amorsim.kernels.avoidance.guide import Guide, find_leg, to_go
 from amorsim.kernels.behaviours.free_space import Sight, see_points

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.arrays import Array, Bools, Ints
+from amorsim.array_types import Array, Bools, Ints
 from amorsim.kernels.avoidance.arcs import Box, distance_to_box, free_time, keep_room
 from amorsim.kernels.avoidance.dynamic_window import braking_time, field_of_view, is_in_view, moved_on, slowed
 from amorsim.kernels.avoidance.guide import find_leg

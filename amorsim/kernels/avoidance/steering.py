@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.kernels.avoidance.dynamic_window import moved_on
 from amorsim.kernels.avoidance.guide import Guide, ahead_on, find_leg
 from amorsim.kernels.behaviours.free_space import Sight, see_points

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.kernels.behaviours.go_to_pose import approach
 from amorsim.kernels.compile import kernel
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from amorsim.arrays import Array, Bools, Ints
+from amorsim.array_types import Array, Bools, Ints
 from amorsim.kernels import elementary
 from amorsim.kernels.compile import kernel, part
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.kernels.behaviours.free_space import Sight, free_way, see_points
 from amorsim.kernels.compile import kernel
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.kernels.behaviours.free_space import Sight, see_points
 from amorsim.kernels.behaviours.wandering import Wish
 from amorsim.kernels.compile import kernel

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from amorsim.arrays import Array, Bools, Ints
+from amorsim.array_types import Array, Bools, Ints
 from amorsim.kernels.collision.footprints import rounding_slack
 from amorsim.kernels.compile import kernel, part
 

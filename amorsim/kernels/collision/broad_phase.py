@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.kernels.collision.body_hash import BodyHash, run_of_bodies, window
 from amorsim.kernels.collision.clearance import has_room, map_gap
 from amorsim.kernels.collision.paths import OTHER, SLACK, STANDS, Scene, bound_of, end_of, padded

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.kernels.collision.footprints import Bodies, most_vertices, place_body, rounding_slack
 from amorsim.kernels.collision.part_and_box import Box, part_bounds, part_distance, part_separation
 from amorsim.kernels.compile import kernel

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.kernels.compile import kernel
 
 __all__ = ["Bodies", "body_gap", "body_gaps", "most_vertices", "place_body", "rounding_slack"]

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.kernels.collision.footprints import Bodies
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.grid.grid import Grid

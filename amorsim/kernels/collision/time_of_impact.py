@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from amorsim.arrays import Array, Bools, Ints
+from amorsim.array_types import Array, Bools, Ints
 from amorsim.kernels.collision.clearance import map_gap
 from amorsim.kernels.collision.footprints import body_gap
 from amorsim.kernels.collision.paths import SLACK, Paths, Scene, pose_at

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from amorsim.arrays import Array, Ints32
+from amorsim.array_types import Array, Ints32
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.grid.grid import Grid
 from amorsim.kernels.raycast.rays import cast_ray, direction, to_frame

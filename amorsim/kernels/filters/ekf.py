@@ -1,7 +1,7 @@
 """A Kalman filter of a pose and a gyro's bias, over rows: prediction, and updates by places, headings and turns.
 
 How what is expected depends on the state is found by slopes (the extended filter) or by points (the unscented one,
-`amorsim.kernels.filters.points`); all else is the same. The state of a row is x, y, heading and the gyro's bias.
+`amorsim.kernels.filters.unscented`); all else is the same. The state of a row is x, y, heading and the gyro's bias.
 Updates by landmarks are in `amorsim.kernels.filters.landmarks`. Equations: S. Thrun, W. Burgard, D. Fox,
 "Probabilistic Robotics" (2005), 3.3.
 """
@@ -12,9 +12,9 @@ import math
 
 import numpy as np
 
-from amorsim.arrays import Array, Bools
+from amorsim.array_types import Array, Bools
 from amorsim.kernels.compile import kernel, part
-from amorsim.kernels.filters.points import PLACE, Transform, Work, expect_by_points, predict_by_points
+from amorsim.kernels.filters.unscented import PLACE, Transform, Work, expect_by_points, predict_by_points
 from amorsim.kernels.filters.updates import NIS, USED, Gaussians, bend, squared_of, swing, take, take_pair
 from amorsim.kernels.kinematics.poses import wrap
 

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.kernels.compile import kernel
 
 __all__ = ["draw_around", "root"]

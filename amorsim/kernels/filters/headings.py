@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.kernels.compile import part
 from amorsim.kernels.random.quarter_turns import cosine_of_quarters, sine_of_quarters
 

@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from amorsim.arrays import Array, Bools, Ints
+from amorsim.array_types import Array, Bools, Ints
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.filters.compatible import Search, pair_up
-from amorsim.kernels.filters.points import LANDMARK, NEAREST, Transform, Work, expect_by_points
+from amorsim.kernels.filters.unscented import LANDMARK, NEAREST, Transform, Work, expect_by_points
 from amorsim.kernels.filters.updates import MATCH, USED, Gaussians, squared_of, take_pair
 from amorsim.kernels.kinematics.poses import wrap
 

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.arrays import Array, Bools, Ints
+from amorsim.array_types import Array, Bools, Ints
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.filters.beams import Field, Mixture, Place, Scan, weigh_by_beams, weigh_by_field
 from amorsim.kernels.filters.gaussians import root

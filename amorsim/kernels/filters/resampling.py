@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.kernels.compile import kernel
 
 __all__ = ["average", "effective_size", "kld_size", "recovery_probability", "resample"]

@@ -16,9 +16,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.kernels.compile import part
-from amorsim.kernels.filters.points import Work
+from amorsim.kernels.filters.unscented import Work
 from amorsim.kernels.kinematics.poses import arc, wrap
 
 __all__ = [

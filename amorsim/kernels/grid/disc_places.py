@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from amorsim.arrays import Ints, Ints32
+from amorsim.array_types import Ints, Ints32
 from amorsim.kernels.compile import kernel
 
 __all__ = ["clear_cells", "label_parts", "number_parts"]

@@ -11,7 +11,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.kernels.compile import kernel
 
 __all__ = ["distances"]

@@ -28,7 +28,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from amorsim.arrays import Ints, Ints32
+from amorsim.array_types import Ints, Ints32
 from amorsim.kernels.compile import kernel
 
 __all__ = [

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.grid.grid import NONE, ONE, Grid, word_at
 from amorsim.kernels.grid.segment_boxes import index_segments

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.grid.draft import Draft, finish, grow, mark_box, new_draft
 from amorsim.kernels.grid.grid import Grid

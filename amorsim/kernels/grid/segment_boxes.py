@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.kernels.grid.grid import Grid
 from amorsim.kernels.grid.rasterise import SNAP
 from amorsim.kernels.grid.segments import SegmentIndex

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.kernels.compile import inlined, part
 
 __all__ = [

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.kinematics.poses import displaced
 from amorsim.kernels.mapping.occupancy import Evidence, add_evidence

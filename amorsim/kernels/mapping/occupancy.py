@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.arrays import Array, Bools, Ints32
+from amorsim.array_types import Array, Bools, Ints32
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.mapping.scan_cells import HIT, MISSED, Area, Window, see
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.kinematics.poses import wrap
 from amorsim.kernels.matching import priors

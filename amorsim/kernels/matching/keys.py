@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.matching import icp
 from amorsim.kernels.matching.outlines import Outline

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from amorsim.arrays import Array, Bools, Ints
+from amorsim.array_types import Array, Bools, Ints
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.kinematics.poses import displaced
 from amorsim.kernels.matching import icp, priors

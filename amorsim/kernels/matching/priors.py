@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.kernels.compile import part
 from amorsim.kernels.matching.symmetric import UNDETERMINED, directions, eigen, solve
 

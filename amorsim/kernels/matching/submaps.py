@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.kinematics.poses import displaced
 from amorsim.kernels.matching import correlative, icp, tracking

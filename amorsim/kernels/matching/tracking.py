@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from amorsim.arrays import Array, Bools, Ints
+from amorsim.array_types import Array, Bools, Ints
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.kinematics.poses import displaced, wrap
 from amorsim.kernels.matching import correlative, icp

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.kernels.compile import inlined, part
 from amorsim.kernels.random.quarter_turns import cosine_of_quarters, sine_of_quarters
 

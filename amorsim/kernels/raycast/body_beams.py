@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.kernels.collision.body_hash import BodyHash, run_of_bodies, window
 from amorsim.kernels.collision.footprints import Bodies, rounding_slack
 from amorsim.kernels.compile import kernel

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.kernels.collision.footprints import Bodies, place_body
 from amorsim.kernels.compile import kernel
 

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.grid.grid import Grid, is_occupied
 from amorsim.kernels.raycast.rays import direction, to_frame

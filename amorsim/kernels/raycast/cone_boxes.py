@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.kernels.compile import part
 from amorsim.kernels.raycast.rays import direction
 

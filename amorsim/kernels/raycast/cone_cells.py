@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.kernels.compile import part
 from amorsim.kernels.grid.grid import NONE, ONE, Grid
 from amorsim.kernels.raycast.rays import cast_ray, cell_of, direction

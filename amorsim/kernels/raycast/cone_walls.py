@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.kernels.compile import part
 from amorsim.kernels.grid.grid import ONE, Grid, word_at
 from amorsim.kernels.grid.segments import INSIDE, PASSED, SegmentIndex, side_of

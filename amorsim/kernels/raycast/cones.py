@@ -12,7 +12,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from amorsim.arrays import Array, Ints, Ints32
+from amorsim.array_types import Array, Ints, Ints32
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.grid.grid import Grid, is_occupied
 from amorsim.kernels.grid.segments import RINGS, SegmentIndex, walls_about

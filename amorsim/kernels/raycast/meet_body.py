@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.kernels.collision.footprints import Bodies, place_body
 from amorsim.kernels.compile import part
 

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from amorsim.arrays import Array, Bools
+from amorsim.array_types import Array, Bools
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.grid.grid import ONE, Grid, is_occupied, word_mask
 

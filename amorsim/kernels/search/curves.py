@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.kernels.compile import kernel, part
 
 __all__ = ["MOST_WORDS", "dubins_words", "moved", "reeds_shepp_words", "trace_word", "word_length"]

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from amorsim.arrays import Array, Ints, Ints32
+from amorsim.array_types import Array, Ints, Ints32
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.search.octile import DIAGONAL, GOING_ON, NONE_LEFT
 

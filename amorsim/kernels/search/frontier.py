@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from amorsim.arrays import Array, Ints, Ints32
+from amorsim.array_types import Array, Ints, Ints32
 from amorsim.kernels.compile import part
 
 __all__ = ["DONE", "Search", "new_search", "offer", "take"]

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.search.curves import reeds_shepp_words
 from amorsim.kernels.search.moves import Drive, Room, go, price

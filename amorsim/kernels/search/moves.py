@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.kernels.collision.clearance import map_gap
 from amorsim.kernels.collision.footprints import Bodies
 from amorsim.kernels.compile import kernel, part

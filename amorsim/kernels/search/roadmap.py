@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.search.any_angle import is_open_line
 from amorsim.kernels.search.trees import draw, is_free

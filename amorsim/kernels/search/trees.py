@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.random.philox import philox
 from amorsim.kernels.search.any_angle import is_open_line

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.search.frontier import DONE, Search, offer, take
 from amorsim.kernels.search.octile import DIAGONAL, FOUND, GOING_ON, NONE_LEFT

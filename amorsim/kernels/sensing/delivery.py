@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.kernels.compile import kernel
 
 __all__ = ["TOLERANCE", "Reading", "UnderWay", "deliver", "due_rows", "take_due"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.kernels.collision.footprints import Bodies
 from amorsim.kernels.compile import kernel
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.kernels.compile import kernel
 
 __all__ = ["deviate", "diffuse", "slip", "spread", "wander"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from amorsim.arrays import Array, Bools, Ints
+from amorsim.array_types import Array, Bools, Ints
 from amorsim.kernels.compile import kernel, part
 
 __all__ = ["bodies_in_cones", "incidences", "nearest_rays", "probe"]

@@ -17,9 +17,9 @@ from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.documents.assign import Setter
 from amorsim.scenario.documents.elsewhere import copied, named_files, near
-from amorsim.scenario.documents.journal import Journal
 from amorsim.scenario.documents.origins import Origin, Origins, kind_of
-from amorsim.scenario.files.copies import Copies
+from amorsim.scenario.documents.undo import Journal
+from amorsim.scenario.files.copied_files import Copies
 from amorsim.scenario.files.mistaken import SCENARIO_PATH, mistaken
 from amorsim.scenario.files.other_files import scenario_of_other
 from amorsim.scenario.files.resolved import resolved_table

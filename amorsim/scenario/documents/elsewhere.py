@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from amorsim.core.errors import MapError, PluginError, RunError
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.documents.field_at import field_at
-from amorsim.scenario.files.copies import Copies
+from amorsim.scenario.files.copied_files import Copies
 from amorsim.scenario.files.maps import MapFile, find_loader
 from amorsim.scenario.programs.controller_files import is_controller_file
 from amorsim.scenario.reading.faults import FaultCollector, Node

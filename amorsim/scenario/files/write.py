@@ -12,7 +12,7 @@ from tomlkit.items import Array, Float, InlineTable, Item, Table, Trivia
 
 from amorsim.core.files.atomic_files import write_text
 from amorsim.core.maps.map import Map
-from amorsim.scenario.files.copies import Copies
+from amorsim.scenario.files.copied_files import Copies
 from amorsim.scenario.files.data_files import files_of_scenario
 from amorsim.scenario.files.maps import MapFile
 from amorsim.scenario.files.resolved import resolved_table

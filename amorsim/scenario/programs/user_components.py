@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import attrs
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Frame, Metric, Plan, Planner, Recorder, RunInfo
 from amorsim.controllers.user import UserController
 from amorsim.core.errors import ControllerError

@@ -13,11 +13,11 @@ from amorsim.core.errors import MapError, did_you_mean
 from amorsim.core.maps.map import Map
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.files.models import check_format, drop_removed, merge_models
-from amorsim.scenario.reading.alike import read_alike
 from amorsim.scenario.reading.components import read_recording, read_task
 from amorsim.scenario.reading.faults import FaultCollector, Node, Source
 from amorsim.scenario.reading.fields import file_fields, read_component, read_fields
 from amorsim.scenario.reading.floor_file import read_floor
+from amorsim.scenario.reading.read_once import read_alike
 from amorsim.scenario.reading.robots import read_obstacle, read_robot, read_zone
 from amorsim.scenario.reading.starts import MOST, Placed, check_starts, placed, read_series, series_names
 from amorsim.scenario.reading.worlds import Maps, start_of

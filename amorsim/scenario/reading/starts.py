@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 import shapely
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.execution.memory import too_large
 from amorsim.core.maps.footprint_room import outside, overlap_with_others, overlap_with_walls, wall_gaps
 from amorsim.core.maps.map import Map

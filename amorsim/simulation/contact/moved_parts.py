@@ -13,7 +13,7 @@ from typing import NoReturn, Protocol
 import attrs
 import numpy as np
 
-from amorsim.arrays import AnyArray, Array, Ints
+from amorsim.array_types import AnyArray, Array, Ints
 from amorsim.contracts import Drive
 from amorsim.core.errors import AmorsimError
 from amorsim.core.poses import compose, logarithm, relative

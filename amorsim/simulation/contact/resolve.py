@@ -22,7 +22,7 @@ from typing import NoReturn, Protocol
 import attrs
 import numpy as np
 
-from amorsim.arrays import AnyArray, Array, Bools, Ints
+from amorsim.array_types import AnyArray, Array, Bools, Ints
 from amorsim.core.errors import AmorsimError, ContactError
 from amorsim.core.execution.workers import in_turn
 from amorsim.core.maps.map import Map

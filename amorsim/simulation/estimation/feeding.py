@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from amorsim.arrays import Bools, Ints
+from amorsim.array_types import Bools, Ints
 from amorsim.contracts import Estimate, Estimator, Measurement
 from amorsim.contracts.estimator import ESTIMATES
 from amorsim.core.errors import ComponentError, did_you_mean

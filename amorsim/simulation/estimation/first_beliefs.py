@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Draws
 from amorsim.kernels.filters.gaussians import draw_around
 from amorsim.scenario.spec import Robot

@@ -9,7 +9,7 @@ from typing import Any
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array, Bools, Ints
+from amorsim.array_types import Array, Bools, Ints
 from amorsim.core.draws import check_collisions
 from amorsim.core.errors import Fault, ScenarioError
 from amorsim.core.maps.footprint_room import overlap_with_others, overlap_with_walls
@@ -18,8 +18,8 @@ from amorsim.scenario.spec import Obstacle, Robot, Scenario
 from amorsim.simulation.contact.resolve import WALL, Movement
 from amorsim.simulation.estimation.first_beliefs import BELIEF
 from amorsim.simulation.events import Event
-from amorsim.simulation.fleet.alike import group_key
 from amorsim.simulation.fleet.group import Group
+from amorsim.simulation.fleet.grouping import group_key
 from amorsim.simulation.fleet.obstacles import ObstacleGroup
 from amorsim.simulation.fleet.placing import Areas, draw_starts_again, with_start
 from amorsim.simulation.fleet.starting import bodies_of, starts_in, world_of

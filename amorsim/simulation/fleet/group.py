@@ -9,7 +9,7 @@ from typing import Any
 import attrs
 import numpy as np
 
-from amorsim.arrays import AnyArray, Ints
+from amorsim.array_types import AnyArray, Ints
 from amorsim.contracts import (
     Beliefs,
     Context,
@@ -26,12 +26,12 @@ from amorsim.simulation.error_context import ErrorContext
 from amorsim.simulation.estimation.beliefs import BeliefsNow, beliefs_of_step
 from amorsim.simulation.estimation.estimating import Estimators
 from amorsim.simulation.estimation.first_beliefs import BELIEF, first_beliefs
-from amorsim.simulation.fleet.alike import channels_of, poses_of, reading_size, robot_model
 from amorsim.simulation.fleet.controlling import Driver
+from amorsim.simulation.fleet.grouping import channels_of, poses_of, reading_size, robot_model
 from amorsim.simulation.fleet.locomotion import Locomotion
 from amorsim.simulation.row_clock import RowClock
 from amorsim.simulation.schedule import Call
-from amorsim.simulation.sensing.copies import Copies
+from amorsim.simulation.sensing.copied_readings import Copies
 from amorsim.simulation.sensing.device import Device, place_mounts
 from amorsim.simulation.sensing.noise_chain import Streams
 from amorsim.simulation.sensing.plain_noise import PlainNoise

@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 import attrs
 import numpy as np
 
-from amorsim.arrays import AnyArray, Array, Ints
+from amorsim.array_types import AnyArray, Array, Ints
 from amorsim.contracts import Context, Drive, DriveBinding, State
 from amorsim.core.errors import AmorsimError
 from amorsim.core.execution.workers import in_turn

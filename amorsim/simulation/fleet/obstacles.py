@@ -7,7 +7,7 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from amorsim.arrays import AnyArray, Array, Ints
+from amorsim.array_types import AnyArray, Array, Ints
 from amorsim.contracts import Context, Motion, ObstacleFrame, State
 from amorsim.core.error_text import RAISED
 from amorsim.core.errors import AmorsimError

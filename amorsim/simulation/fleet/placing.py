@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array, Bools, Ints
+from amorsim.array_types import Array, Bools, Ints
 from amorsim.core.distributions import STUDY
 from amorsim.core.draws import Draws, stream_key
 from amorsim.core.errors import Fault, MapError, ScenarioError

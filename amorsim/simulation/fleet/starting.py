@@ -8,7 +8,7 @@ from typing import Protocol
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.maps.map import Map
 from amorsim.scenario.floor import Floor
 from amorsim.scenario.reading.worlds import start_of

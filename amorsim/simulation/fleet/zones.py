@@ -9,10 +9,10 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.arrays import Array, Bools
+from amorsim.array_types import Array, Bools
 from amorsim.contracts import Context, Drive, State
-from amorsim.core.crossings import contains, share_rolled, share_within
 from amorsim.core.poses import compose
+from amorsim.core.segment_crossings import contains, share_rolled, share_within
 from amorsim.core.shapes import Shape
 from amorsim.scenario.spec import Zone
 from amorsim.simulation.error_context import ErrorContext

@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.arrays import AnyArray, Array
+from amorsim.array_types import AnyArray, Array
 from amorsim.contracts import Aim, Context, Draws, Emission, Measurement, Sensor, SensorBinding, Side, State
 from amorsim.core.error_text import RAISED, in_words
 from amorsim.core.rows import stack

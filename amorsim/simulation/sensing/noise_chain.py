@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import Aim, Context, Draws, Noise, NoiseStep, State
 from amorsim.core.draws import Medians, stream_key
 from amorsim.core.error_text import RAISED

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
-from amorsim.arrays import AnyArray, Bools
+from amorsim.array_types import AnyArray, Bools
 from amorsim.simulation.contact.resolve import WALL
 from amorsim.simulation.fleet.fleet import Fleet
 from amorsim.simulation.fleet.group import Group

@@ -12,14 +12,14 @@ from typing import Any
 import attrs
 import numpy as np
 
-from amorsim.arrays import AnyArray
+from amorsim.array_types import AnyArray
 from amorsim.contracts import Estimate, Frame, Measurement
 from amorsim.core.rows import signature
 from amorsim.scenario.reading.chains import chain_at, paths_of_chains, with_chain
 from amorsim.scenario.spec import NoiseElement, Robot
-from amorsim.simulation.fleet.alike import group_key, robot_model
 from amorsim.simulation.fleet.fleet import Fleet
 from amorsim.simulation.fleet.group import Group
+from amorsim.simulation.fleet.grouping import group_key, robot_model
 from amorsim.simulation.fleet.obstacles import ObstacleGroup
 from amorsim.simulation.state.snapshot import Snapshot
 

@@ -6,7 +6,7 @@ import operator
 
 import numpy as np
 
-from amorsim.arrays import Bools
+from amorsim.array_types import Bools
 from amorsim.core.errors import SnapshotError
 from amorsim.simulation import phases
 from amorsim.simulation.fleet.fleet import Fleet

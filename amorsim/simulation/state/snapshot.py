@@ -11,11 +11,11 @@ from typing import Any
 import attrs
 import numpy as np
 
-from amorsim.arrays import AnyArray, Bools, Ints
+from amorsim.array_types import AnyArray, Bools, Ints
 from amorsim.core.errors import SnapshotError
-from amorsim.simulation.fleet.alike import group_key
 from amorsim.simulation.fleet.fleet import Fleet
 from amorsim.simulation.fleet.group import Group
+from amorsim.simulation.fleet.grouping import group_key
 
 __all__ = ["Snapshot", "copy_state", "fits", "from_bytes", "put_back", "take_snapshot"]
 

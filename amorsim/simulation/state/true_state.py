@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.contracts import TrueState
 from amorsim.core.errors import AmorsimError
 from amorsim.core.unknown_names import no_such

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from amorsim.arrays import Array, Bools, Ints
+from amorsim.array_types import Array, Bools, Ints
 from amorsim.core.shapes import Shape, pack
 from amorsim.kernels.collision import clearance as contact_kernels
 from amorsim.kernels.collision import footprints as body_kernels

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.kernels.kinematics import poses
 
 __all__ = ["Table", "cone_bearings", "cone_directions", "directions_of"]

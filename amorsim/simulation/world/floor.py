@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import FloorPoints
 from amorsim.core.shapes import Shape, pack
 from amorsim.kernels.sensing import floor_layers as floors

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.contracts import Sightings
 from amorsim.core.execution.workers import in_turn
 from amorsim.kernels.raycast import beyond, body_normals, bresenham, rays, scans

@@ -8,7 +8,7 @@ from typing import Any
 import attrs
 import numpy as np
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.contracts import Lights
 from amorsim.scenario.spec import Floor, Landmark, Light, Obstacle, Robot
 from amorsim.simulation.world.floor import FloorPlan

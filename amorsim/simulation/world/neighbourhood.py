@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.contracts import Neighbours
 from amorsim.kernels.behaviours.neighbours import Crowd, Looking, find_neighbours
 from amorsim.kernels.collision.body_hash import hash_bodies

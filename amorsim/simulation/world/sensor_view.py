@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from amorsim.arrays import Array, Bools, Ints
+from amorsim.array_types import Array, Bools, Ints
 from amorsim.contracts import BodyStates, Directions, Emissions, FloorPoints, Lights, Neighbours, Sightings
 from amorsim.core.errors import ComponentError
 from amorsim.core.execution.workers import Workers, in_turn

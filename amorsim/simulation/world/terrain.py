@@ -8,7 +8,7 @@ from typing import Any, Self
 import attrs
 import numpy as np
 
-from amorsim.arrays import Ints
+from amorsim.array_types import Ints
 from amorsim.core.errors import AmorsimError
 from amorsim.core.execution.memory import memory_of_machine
 from amorsim.core.maps.map import Map

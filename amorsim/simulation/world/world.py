@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.arrays import Array, Bools, Ints
+from amorsim.array_types import Array, Bools, Ints
 from amorsim.core.execution.workers import Workers, in_turn
 from amorsim.core.maps.map import Map
 from amorsim.core.shapes import Shape, pack

@@ -16,7 +16,7 @@ from amorsim.scenario.documents.document import Document
 from amorsim.scenario.reading.partial import Partial
 from amorsim.ui.editor.inspectors.fault_component import component_of
 from amorsim.ui.editor.inspectors.things import Thing, things_of
-from amorsim.ui.faults.lines import FaultLine, fault_lines
+from amorsim.ui.faults.shown_faults import FaultLine, fault_lines
 from amorsim.ui.scene.still import StillBuilder
 from amorsim.ui.scene.wire import Still
 

@@ -22,7 +22,7 @@ from amorsim.scenario.programs.code_check import check_code
 from amorsim.scenario.reading.partial import Partial
 from amorsim.ui.editor.cards import card_of
 from amorsim.ui.editor.looking import CODE_LIMIT, Seen, look, placed
-from amorsim.ui.editor.storage.keeping import picture_of, save_model, write_world
+from amorsim.ui.editor.storage.exported_files import picture_of, save_model, write_world
 from amorsim.ui.forms.manuals import manual_of
 
 __all__ = ["main"]
@@ -125,19 +125,19 @@ class _Functions:
 
     def square(self, text: str, path: Path, robot: str, **_: Any) -> Any:
         """The effect of a robot's errors on a square."""
-        from amorsim.ui.editor.bench import square_paths
+        from amorsim.ui.editor.experiments import square_paths
 
         return square_paths(Document(text, path, registry=self._registry).scenario(), robot)
 
     def noise(self, text: str, path: Path, robot: str, sensor: str, **_: Any) -> Any:
         """How a sensor's readings scatter."""
-        from amorsim.ui.editor.bench import noise_bars
+        from amorsim.ui.editor.experiments import noise_bars
 
         return noise_bars(Document(text, path, registry=self._registry).scenario(), robot, sensor)
 
     def starts(self, text: str, path: Path, **_: Any) -> Any:
         """Where a run would let those start that are placed at random, by name."""
-        from amorsim.ui.editor.bench import starts_by_name
+        from amorsim.ui.editor.experiments import starts_by_name
 
         return starts_by_name(Document(text, path, registry=self._registry).partial())
 

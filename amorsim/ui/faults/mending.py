@@ -21,7 +21,7 @@ from amorsim.core.errors import AmorsimError, DocumentError, Fault, ScenarioErro
 from amorsim.scenario.documents.document import open_document
 from amorsim.scenario.reading.read import check_words
 from amorsim.ui.faults.changed_files import BETWEEN_LOOKS, Stamps, change_of, stamps_of
-from amorsim.ui.faults.lines import FaultLine, FaultsError, fault_lines
+from amorsim.ui.faults.shown_faults import FaultLine, FaultsError, fault_lines
 from amorsim.ui.scene.still import StillBuilder
 from amorsim.ui.scene.wire import Still
 from amorsim.ui.serve.wire import shown, whole

@@ -8,7 +8,7 @@ from amorsim.analysis.reference import FILES, manual_parts
 from amorsim.core.errors import AmorsimError
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.spec import Robot
-from amorsim.ui.forms.live import places_of
+from amorsim.ui.forms.running_robot import places_of
 
 __all__ = ["Manual", "components_of", "manual_of"]
 

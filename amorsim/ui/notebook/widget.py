@@ -13,7 +13,7 @@ from amorsim.core.arguments import checked
 from amorsim.core.errors import AmorsimError
 from amorsim.simulation.simulation import Simulation
 from amorsim.ui.serve.html_page import closed_document
-from amorsim.ui.simulator.live import Live
+from amorsim.ui.simulator.in_process import Live
 
 __all__ = ["REFUSED", "widget"]
 

@@ -6,7 +6,7 @@ from typing import TypedDict
 
 import numpy as np
 
-from amorsim.arrays import AnyArray, Array
+from amorsim.array_types import AnyArray, Array
 
 __all__ = ["Series", "SeriesWriter", "read_series"]
 

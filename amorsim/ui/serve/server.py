@@ -21,7 +21,7 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from amorsim.core.errors import AmorsimError
 from amorsim.ui.serve.connection_limiter import ConnectionLimiter
-from amorsim.ui.serve.film import FilmError, gif_of, read_film
+from amorsim.ui.serve.gif import FilmError, gif_of, read_film
 from amorsim.ui.serve.html_page import document
 from amorsim.ui.serve.pages import KINDS, WEB, Pages
 from amorsim.ui.serve.security import LONGEST_HEAD, App, Door, Guard

@@ -20,7 +20,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from amorsim.core.errors import AmorsimError
-from amorsim.ui.faults.lines import FaultsError
+from amorsim.ui.faults.shown_faults import FaultsError
 from amorsim.ui.simulator.process.pipes import FRAME, SNAPSHOT, Writer, python_for, read_message
 
 __all__ = ["Link"]

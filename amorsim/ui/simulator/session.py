@@ -255,7 +255,7 @@ class Session:
 
     async def _page(self) -> str:
         """The run as one HTML file that plays by itself; a simulation is repeated up to its newest moment for it."""
-        from amorsim.ui.run_page.document import run_page  # with the engine, which the server does not need
+        from amorsim.ui.run_page.html_file import run_page  # with the engine, which the server does not need
 
         with temporary_folder("page") as folder:
             run, replica = Path(self.recipe.name), None

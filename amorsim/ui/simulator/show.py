@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 from amorsim.core.errors import AmorsimError
 from amorsim.core.files.reading import is_file
 from amorsim.runs.folder import next_folder
-from amorsim.ui.faults.lines import FaultLine, FaultsError
+from amorsim.ui.faults.shown_faults import FaultLine, FaultsError
 from amorsim.ui.serve.launch_url import LaunchUrl
 from amorsim.ui.simulator.process.orphan import stay
 from amorsim.ui.simulator.recipe import Recipe

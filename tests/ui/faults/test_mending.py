@@ -12,8 +12,8 @@ import pytest
 
 import amorsim as am
 from amorsim.core.errors import AmorsimError, ControllerError, RunError, ScenarioError
-from amorsim.ui.faults.lines import FaultLine, FaultsError, fault_lines, lines_of
 from amorsim.ui.faults.mending import Mending
+from amorsim.ui.faults.shown_faults import FaultLine, FaultsError, fault_lines, lines_of
 from tests.ui.aside import aside
 
 ROOM = "0 0 6000 0\n6000 0 6000 5000\n6000 5000 0 5000\n0 5000 0 0\n"

@@ -11,8 +11,8 @@ import pytest
 from amorsim.core.errors import AmorsimError
 from amorsim.runs.scenario_argument import read_scenario
 from amorsim.ui.faults.changed_files import stamps_of_scenario
-from amorsim.ui.faults.lines import lines_of
 from amorsim.ui.faults.mending import Mending
+from amorsim.ui.faults.shown_faults import lines_of
 from tests.ui.aside import aside
 
 GOOD = {

@@ -18,8 +18,8 @@ from amorsim.controllers.navigate import Navigate
 from amorsim.planners import AStar, ThetaStar
 from amorsim.plugins.manager import make_registry
 from amorsim.ui.forms.description import form_of
-from amorsim.ui.forms.live import forms_of
 from amorsim.ui.forms.origins import Origins
+from amorsim.ui.forms.running_robot import forms_of
 from tests import building
 from tests.building import write_rover
 from tests.installed import registered

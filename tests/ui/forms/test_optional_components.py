@@ -19,7 +19,7 @@ from amorsim.ui.editor.inspectors.inspector import inspect
 from amorsim.ui.editor.work import Work
 from amorsim.ui.forms.chains import noises_for, with_element
 from amorsim.ui.forms.description import form_of
-from amorsim.ui.forms.live import forms_of
+from amorsim.ui.forms.running_robot import forms_of
 from tests import building, optional_components
 from tests.building import rover_text, write_rover
 from tests.installed import registered

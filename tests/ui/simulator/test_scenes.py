@@ -14,7 +14,7 @@ from PIL import Image
 
 import amorsim as am
 from amorsim.plugins.manager import default_registry
-from amorsim.ui.forms.live import forms_of, value_at
+from amorsim.ui.forms.running_robot import forms_of, value_at
 from amorsim.ui.simulator.frames.scenes import SceneBuilder
 from tests import building
 

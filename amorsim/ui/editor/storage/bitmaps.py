@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image, UnidentifiedImageError
 
-from amorsim.arrays import Bools
+from amorsim.array_types import Bools
 from amorsim.core.errors import AmorsimError
 from amorsim.core.numbers import is_number
 from amorsim.ui.editor.inspectors.walls import WallsError

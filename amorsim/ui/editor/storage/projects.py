@@ -17,7 +17,7 @@ from amorsim.core.files.temporary_folders import temporary_folder
 from amorsim.core.numbers import is_number
 from amorsim.plugins.manager import default_registry
 from amorsim.ui.editor.reader import Reader
-from amorsim.ui.editor.storage.differing import differing_lines
+from amorsim.ui.editor.storage.disk_differences import differing_lines
 from amorsim.ui.editor.storage.edited_files import PROGRAM
 from amorsim.ui.editor.storage.formats import map_files
 from amorsim.ui.editor.storage.line_ends import with_line_ends

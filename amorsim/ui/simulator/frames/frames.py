@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.arrays import AnyArray, Array
+from amorsim.array_types import AnyArray, Array
 from amorsim.contracts import Frame, Measurement
 from amorsim.core.poses import compose, logarithm, relative
 from amorsim.simulation.simulation import Simulation

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from amorsim.arrays import AnyArray, Array
+from amorsim.array_types import AnyArray, Array
 from amorsim.contracts import Beliefs, Drive, Sensor
 from amorsim.simulation.simulation import Simulation
 from amorsim.ui.simulator.frames.protocol import Intended, IntendedArc, IntendedVelocities

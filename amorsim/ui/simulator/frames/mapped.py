@@ -9,7 +9,7 @@ from collections.abc import Mapping
 import numpy as np
 from PIL import Image
 
-from amorsim.arrays import AnyArray, Array
+from amorsim.array_types import AnyArray, Array
 from amorsim.simulation.simulation import Simulation
 from amorsim.ui.simulator.frames.protocol import Mapped, MappedCells
 

@@ -24,16 +24,16 @@ from typing import IO, Any
 from amorsim.core.error_text import explain
 from amorsim.core.errors import AmorsimError
 from amorsim.kernels.cache_folder import mark_warm
-from amorsim.ui.faults.lines import lines_of
+from amorsim.ui.faults.shown_faults import lines_of
 from amorsim.ui.simulator.frames.packing import FrameFlag, pack_bundle
 from amorsim.ui.simulator.frames.scenes import SceneBuilder
 from amorsim.ui.simulator.process.busy import Busy, Interrupted
 from amorsim.ui.simulator.process.commands import Commands
-from amorsim.ui.simulator.process.faults import Fault
 from amorsim.ui.simulator.process.orphan import stay
 from amorsim.ui.simulator.process.pipes import JSON, Writer, read_message
 from amorsim.ui.simulator.process.replaying import Replaying
 from amorsim.ui.simulator.process.stacks import robot_of
+from amorsim.ui.simulator.process.step_faults import Fault
 from amorsim.ui.simulator.process.watching import Watching
 from amorsim.ui.simulator.recipe import Recipe
 from amorsim.ui.simulator.sources.carried import Carried, Carrier

@@ -15,9 +15,9 @@ from amorsim.scenario.reading.chains import chain_at, is_chain, tables_of
 from amorsim.scenario.spec import Robot
 from amorsim.ui.forms.chains import chains_of, noises_for, targets_of, with_element, without
 from amorsim.ui.forms.json_values import deviation_of, number_of, plain
-from amorsim.ui.forms.live import forms_of, value_at
 from amorsim.ui.forms.manuals import components_of, manual_of
 from amorsim.ui.forms.origins import Origins
+from amorsim.ui.forms.running_robot import forms_of, value_at
 from amorsim.ui.scene.drawn_robots import sensor_shapes
 from amorsim.ui.scene.wire import Scene
 from amorsim.ui.simulator.frames.scenes import SceneBuilder

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from amorsim.arrays import Array, Ints
+from amorsim.array_types import Array, Ints
 from amorsim.simulation.simulation import Simulation
 from amorsim.ui.simulator.frames.frames import Before, selected_of, upper_triangle
 from amorsim.ui.simulator.frames.packing import Selected

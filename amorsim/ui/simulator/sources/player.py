@@ -11,7 +11,7 @@ import attrs
 from amorsim.core.errors import AmorsimError
 from amorsim.simulation.simulation import Simulation
 from amorsim.ui.simulator.frames.frames import look_back
-from amorsim.ui.simulator.process.faults import Fault, fault_of
+from amorsim.ui.simulator.process.step_faults import Fault, fault_of
 from amorsim.ui.simulator.sources.carried import Carried, Carrier
 from amorsim.ui.simulator.sources.course import Course
 from amorsim.ui.simulator.sources.inputs import Input, Inputs

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from amorsim.analysis.run_files import belief_arrays
-from amorsim.arrays import AnyArray, Array
+from amorsim.array_types import AnyArray, Array
 from amorsim.core.errors import RunError
 from amorsim.runs.array_files import read_arrays
 from amorsim.runs.moments import Cells, TimedLines

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.errors import RunError
 from amorsim.core.unknown_names import no_such
 from amorsim.runs.manifest import read_about

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.errors import RunError
 from amorsim.core.files.json_files import parse_json
 from amorsim.core.rows import stack

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.simulation.events import Event
 from amorsim.ui.simulator.frames.intended import NO_INTENTION
 from amorsim.ui.simulator.frames.packing import Dynamic, FrameFlag
 from amorsim.ui.simulator.frames.protocol import EventLine, Intended, Mapped, Past
-from amorsim.ui.simulator.process.faults import Fault
+from amorsim.ui.simulator.process.step_faults import Fault
 from amorsim.ui.simulator.sources.story import Story
 
 __all__ = ["Source", "Track"]

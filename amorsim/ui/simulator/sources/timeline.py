@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.arrays import AnyArray, Array
+from amorsim.array_types import AnyArray, Array
 from amorsim.core.errors import SnapshotError
 from amorsim.simulation.simulation import Simulation
 from amorsim.simulation.state.snapshot import Snapshot

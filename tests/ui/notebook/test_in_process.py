@@ -10,7 +10,7 @@ import pytest
 import amorsim as am
 from amorsim.ui.notebook.widget import REFUSED
 from amorsim.ui.simulator.frames.packing import FrameFlag, unpack_frame
-from amorsim.ui.simulator.live import MOST_IN_FLIGHT, Live
+from amorsim.ui.simulator.in_process import MOST_IN_FLIGHT, Live
 from tests import building
 
 
@@ -107,7 +107,7 @@ def test_an_error_that_is_set_is_the_simulation_s() -> None:
 
 
 def test_it_plays_while_the_kernel_sees_to_other_things(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("amorsim.ui.simulator.live.LONGEST_TURN", 0.0)  # a step in each turn
+    monkeypatch.setattr("amorsim.ui.simulator.in_process.LONGEST_TURN", 0.0)  # a step in each turn
 
     async def play() -> tuple[int, int, Window, am.Simulation]:
         sim = simulation()

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.filters.gaussians import root
 from amorsim.kernels.kinematics.poses import arc, wrap

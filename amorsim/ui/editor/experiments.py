@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.errors import AmorsimError
 from amorsim.scenario.reading.partial import Partial
 from amorsim.scenario.spec import Robot, Scenario

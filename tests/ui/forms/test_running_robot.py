@@ -9,8 +9,8 @@ import pytest
 
 import amorsim as am
 from amorsim.noise.quantize import Quantize
-from amorsim.ui.forms.live import forms_of
 from amorsim.ui.forms.origins import Origins
+from amorsim.ui.forms.running_robot import forms_of
 from amorsim.ui.simulator.frames.protocol import ParameterForm
 from amorsim.ui.simulator.sources.inputs import Input
 from tests import building

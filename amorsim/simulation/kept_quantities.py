@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from amorsim.arrays import AnyArray, Bools
+from amorsim.array_types import AnyArray, Bools
 from amorsim.contracts import Beliefs, Frame
 from amorsim.core.arguments import texts
 from amorsim.core.errors import AmorsimError

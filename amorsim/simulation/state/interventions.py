@@ -15,9 +15,9 @@ from amorsim.core.parameters import ParameterError
 from amorsim.scenario.parameter_paths import with_value
 from amorsim.scenario.reading.chains import read_elements, tables_of, with_chain
 from amorsim.scenario.spec import Robot
-from amorsim.simulation.fleet.alike import group_key
 from amorsim.simulation.fleet.fleet import Fleet
 from amorsim.simulation.fleet.group import Group
+from amorsim.simulation.fleet.grouping import group_key
 from amorsim.simulation.handle import RobotHandle
 from amorsim.simulation.state.regroup import chains_of, regrouped
 

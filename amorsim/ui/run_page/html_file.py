@@ -9,7 +9,7 @@ from pathlib import Path
 
 from amorsim.core.arguments import checked, path_of
 from amorsim.core.files.atomic_files import write_text
-from amorsim.ui.run_page.contents import contents_of
+from amorsim.ui.run_page.packed_run import contents_of
 from amorsim.ui.serve.html_page import closed_document
 from amorsim.ui.simulator.sources.recording import Recording
 

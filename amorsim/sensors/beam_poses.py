@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.core.poses import compose, exponential, relative
 
 __all__ = ["poses_at"]

@@ -10,8 +10,8 @@ from collections.abc import AsyncIterator
 import pytest
 from PIL import Image
 
-from amorsim.ui.serve import film
-from amorsim.ui.serve.film import FilmError, gif_of, read_film
+from amorsim.ui.serve import gif
+from amorsim.ui.serve.gif import FilmError, gif_of, read_film
 from tests.ui.aside import aside
 
 
@@ -31,7 +31,7 @@ def packed(*pictures: bytes) -> bytes:
     return b"".join(len(picture).to_bytes(4, "little") + picture for picture in pictures)
 
 
-def read(data: bytes, every: str = "100") -> film.Film:
+def read(data: bytes, every: str = "100") -> gif.Film:
     async def body() -> AsyncIterator[bytes]:
         for at in range(0, len(data), 7):
             yield data[at : at + 7]
@@ -68,9 +68,9 @@ def test_a_film_becomes_a_gif_of_as_many_pictures() -> None:
         (packed(png((0, 0, 0))[:20]), "100"),
         (packed(b"GIF89a" + png((0, 0, 0))[6:]), "100"),
         (packed(sized(0, 5)), "100"),
-        (packed(sized(film.WIDEST + 1, 1)), "100"),
+        (packed(sized(gif.WIDEST + 1, 1)), "100"),
         (packed(sized(2**32 - 1, 2**32 - 1)), "100"),
-        (packed(*[b"x"] * (film.MOST_PICTURES + 1)), "100"),
+        (packed(*[b"x"] * (gif.MOST_PICTURES + 1)), "100"),
     ],
 )
 def test_what_is_no_film_is_refused(data: bytes, every: str) -> None:
@@ -79,7 +79,7 @@ def test_what_is_no_film_is_refused(data: bytes, every: str) -> None:
 
 
 def test_a_film_that_is_too_large_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(film, "MOST_BYTES", 1000)
+    monkeypatch.setattr(gif, "MOST_BYTES", 1000)
     with pytest.raises(FilmError, match="larger"):
         read(bytes(2000))
 
@@ -90,11 +90,11 @@ def test_only_png_of_a_sane_size_is_read() -> None:
     with pytest.raises(FilmError, match="not a PNG"):
         read(packed(out.getvalue()))
     with pytest.raises(FilmError, match="larger"):
-        read(packed(png((0, 0, 0), (film.WIDEST + 1, 1))))
+        read(packed(png((0, 0, 0), (gif.WIDEST + 1, 1))))
 
 
 def test_films_of_too_many_pixels_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(film, "MOST_PIXELS", 40 * 30 * 2.5)
+    monkeypatch.setattr(gif, "MOST_PIXELS", 40 * 30 * 2.5)
     one, small = png((0, 0, 0)), png((0, 0, 0), (1, 1))
     assert len(read(packed(one, one)).pictures) == 2
     with pytest.raises(FilmError, match=r"million pixels.*make it shorter"):

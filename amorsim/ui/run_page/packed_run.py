@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.ui.run_page.packed_tables import SeriesWriter
 from amorsim.ui.simulator.frames.packing import Dynamic
 from amorsim.ui.simulator.sources.past import Places

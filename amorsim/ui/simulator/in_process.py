@@ -20,7 +20,7 @@ from amorsim.ui.simulator.frames.messages import check
 from amorsim.ui.simulator.frames.packing import Bundle, FrameFlag, pack_bundle
 from amorsim.ui.simulator.frames.scenes import SceneBuilder
 from amorsim.ui.simulator.process.commands import Commands
-from amorsim.ui.simulator.process.faults import Fault
+from amorsim.ui.simulator.process.step_faults import Fault
 from amorsim.ui.simulator.project import free_places, place_for
 from amorsim.ui.simulator.sources.player import Player
 

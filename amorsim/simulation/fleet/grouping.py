@@ -6,7 +6,7 @@ from collections.abc import Hashable, Mapping, Sequence
 
 import numpy as np
 
-from amorsim.arrays import Array
+from amorsim.array_types import Array
 from amorsim.contracts import RobotModel, SensorModel
 from amorsim.core.arguments import whole
 from amorsim.core.error_text import RAISED, error_in_words

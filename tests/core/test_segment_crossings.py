@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from amorsim.core.crossings import contains, share_rolled, share_within
+from amorsim.core.segment_crossings import contains, share_rolled, share_within
 from amorsim.core.shapes import Shape
 
 SHAPES = {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from amorsim.arrays import Array, Bools
+from amorsim.array_types import Array, Bools
 from amorsim.core.shapes import Shape
 
 __all__ = ["contains", "crossings", "share_rolled", "share_within"]
