@@ -24,7 +24,7 @@ from amorsim.algorithms.trajectories import (
     umeyama,
 )
 from amorsim.analysis.trajectory import Trajectory
-from amorsim.array_types import Array
+from amorsim.array_types import Array, Ints
 from amorsim.core.arguments import check_kind, check_text, checked, numbers, real
 from amorsim.core.error_text import in_words
 from amorsim.core.errors import AnalysisError
@@ -36,6 +36,7 @@ __all__ = ["PoseErrors", "Statistics", "ape", "relation_errors", "rpe"]
 _ALIGN = ("none", "first", "umeyama", "umeyama_scale")
 _A_TRAJECTORY = "a Trajectory, as am.analysis.read_tum('true.tum')"
 _UNITS = ("m", "steps", "s")
+_SAME_TIME = 1e-6  # [s] by which two times differ that are the same
 
 
 @attrs.frozen(kw_only=True)
@@ -246,7 +247,9 @@ def relation_errors(
     """The errors of an estimated trajectory in known relations between its poses (Kümmerle et al. 2009).
 
     For data without a true trajectory, experts have stated how far apart the robot was at two times, from scans matched
-    by hand. Nothing is aligned: only motions are compared.
+    by hand. Nothing is aligned: only motions are compared. If one scan of two is missing, the times of both may be
+    nearest to the pose of the other. Unless one of these is the pose's own to a microsecond, nothing tells which it is,
+    and the relations of both are left out.
 
     Parameters
     ----------
@@ -267,12 +270,12 @@ def relation_errors(
         raise AnalysisError(f"{error}; they are two times and x, y, heading") from None
     if len(estimate) < 1:
         raise AnalysisError(f"{estimate.name}: expected poses, got none")
-    places = [np.abs(estimate.time[:, None] - given[:, column]).argmin(axis=0) for column in (0, 1)]
-    near = [np.abs(estimate.time[place] - given[:, i]) <= most_apart + 1e-9 for i, place in enumerate(places)]
-    there = np.flatnonzero(near[0] & near[1] & (places[0] != places[1]))  # a pose has no motion to itself
+    moments, which = np.unique(given[:, :2], return_inverse=True)
+    places = _own_poses(estimate.time, moments, most_apart)[which].reshape(-1, 2)
+    there = np.flatnonzero((places >= 0).all(axis=1) & (places[:, 0] != places[:, 1]))
     if not len(there):
         raise AnalysisError(f"{estimate!r} has no poses at the times of these relations, to {most_apart:g} s")
-    first, last = places[0][there], places[1][there]
+    first, last = places[there].T
     count = len(there)
     # The true motions as poses seen from the origin.
     reference = np.concatenate((np.zeros((count, 3)), given[there, 2:5]))
@@ -288,6 +291,15 @@ def relation_errors(
         transform=Transform(),
         dropped=len(given) - count,
     )
+
+
+def _own_poses(time: Array, moments: Array, most_apart: float) -> Ints:
+    """The pose of each moment `(Q,)`: the nearest to it. It is -1 if that is too far, or may be another moment's."""
+    place = np.abs(time[:, None] - moments).argmin(axis=0)
+    apart = np.abs(time[place] - moments)
+    is_near = apart <= most_apart + 1e-9
+    is_alone = np.bincount(place[is_near], minlength=len(time))[place] == 1
+    return np.where(is_near & (is_alone | (apart <= _SAME_TIME)), place, -1)
 
 
 def _number(given: object, name: str, expected: str) -> float:

@@ -204,6 +204,13 @@ def test_relations_are_judged_without_a_true_trajectory() -> None:
     assert found.position == pytest.approx([0.0, 0.1], abs=1e-12)
     assert found.heading == pytest.approx([0.0, 0.1], abs=1e-12)
     assert found.dropped == 1
+    # Two times that one pose is nearest to: it may be that of either, and the third relation names the other.
+    twins = [(0.0, 1.0, 1.0, 0.0, 0.0), (0.0, 1.51, 9.0, 0.0, 0.0), (0.51, 1.49, 9.0, 0.0, 0.0)]
+    assert relation_errors(turned, twins).position == pytest.approx([0.0], abs=1e-12)
+    assert len(relation_errors(turned, twins[:2]).position) == 2
+    # Unless it is the very time of one.
+    exact = [(0.0, 1.0, 1.0, 0.0, 0.0), (0.0, 1.01, 9.0, 0.0, 0.0)]
+    assert relation_errors(turned, exact).position == pytest.approx([0.0], abs=1e-12)
     with pytest.raises(am.AnalysisError, match=r"relations: expected numbers of the shape \(M, 5\)"):
         relation_errors(turned, [(0.0, 1.0)])
     with pytest.raises(am.AnalysisError, match=r"no poses at the times"):

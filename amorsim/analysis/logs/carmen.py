@@ -18,7 +18,8 @@ around it is not a motion: what follows it is taken relative to it, and what is 
 anything was corrected.
 
 Messages come in the order of the lines. Odometry that waited before it was written, with a time before that of the line
-before it, gets that time; the times of scans stay, but where two are one.
+before it, gets that time; the times of scans stay, but where two are one. Where lines came all at once they have one
+time, so odometry after a scan of its own time was measured after it.
 
 .. [1] M. Montemerlo, N. Roy, S. Thrun, D. Hähnel, C. Stachniss, J. Glover: CARMEN, the Carnegie Mellon robot navigation
    toolkit, 2002; the header of its log files.
@@ -54,7 +55,7 @@ SUFFIXES = (".log", ".clf", ".gfs")
 _LONGEST_LINE = 1 << 20  # letters
 _AROUND = 11  # lines
 _FAR = 5.0  # [s]
-_TICK = 1e-6  # [s] from a scan to the next, at least: where six digits are written, two can have one time
+_TICK = 1e-6  # [s] from a scan to what comes after it, at least: where six digits are written, two can have one time
 _ANGLE = math.radians(0.1)  # how far beams may lie from where the robot's laser has them
 
 
@@ -125,11 +126,13 @@ def _in_order(messages: Sequence[CarmenMessage], path: Path) -> list[CarmenMessa
     here = np.zeros(3)
     before: Array | None = None  # the last line's pose
     last = -math.inf  # [s] of the last message
-    last_scan = -math.inf
+    last_scan, last_scan_own = -math.inf, math.inf  # as it is given, and as it was written
     for message, own, has_time in zip(messages, now.tolist(), is_set.tolist(), strict=True):
         time = max(own, last)
+        if has_time and (message.ranges is not None or message.time >= last_scan_own):
+            time = max(time, last_scan + _TICK)
         if has_time and message.ranges is not None:
-            last_scan = time = max(time, last_scan + _TICK)
+            last_scan, last_scan_own = time, message.time
         last = time if has_time else last
         if message.kind != "ODOM":
             if has_time:
