@@ -210,8 +210,10 @@ def test_messages_of_real_robots_become_readings_and_commands() -> None:
     joints = Part(name=["arm", *reversed(names)], position=np.array([9.0, 2.0 * np.pi, -np.pi]))
     assert reading_of("sensor_msgs/JointState", joints, encoder, robot, "/j").tolist() == [-500.0, 1000.0]
     laser = am.sensors.Laser(beams=3)
-    scan = Part(angle_min=1.5, angle_increment=-1.5, ranges=np.array([1.0, np.inf, 3.0], np.float32))
-    assert reading_of("sensor_msgs/LaserScan", scan, laser, robot, "/s").tolist() == [3.0, np.inf, 1.0]
+    scan = Part(angle_min=1.5, angle_increment=-1.5, range_min=0.1, range_max=8.0)
+    for given, wanted in (([1.0, np.inf, 3.0], [3.0, np.inf, 1.0]), ([-np.inf, 9.0, 0.0], [np.nan, np.inf, -np.inf])):
+        scan.ranges = np.array(given, np.float32)
+        np.testing.assert_array_equal(reading_of("sensor_msgs/LaserScan", scan, laser, robot, "/s"), wanted)
     nothing = Part(linear=Part(x=0.0, y=0.0, z=0.0), angular=Part(x=0.0, y=0.0, z=1.0))
     left, right = command_of("geometry_msgs/Twist", nothing, robot, "/cmd_vel")
     assert left == pytest.approx(-right)
@@ -225,13 +227,14 @@ def test_a_scan_is_read_by_its_angles() -> None:
     laser = robot.sensors["laser"].sensor
     ranges = np.arange(360.0) + 1.0
     step = 2.0 * np.pi / 360.0
-    scan = Part(angle_min=0.0, angle_max=2.0 * np.pi, angle_increment=step, ranges=ranges)
+    reach = {"range_min": 0.0, "range_max": 1e3}
+    scan = Part(angle_min=0.0, angle_max=2.0 * np.pi, angle_increment=step, ranges=ranges, **reach)
     found = reading_of("sensor_msgs/LaserScan", scan, laser, robot, "/scan")
     assert (found[180], found[270], found[0], found[90]) == (1.0, 91.0, 181.0, 271.0)  # ahead, left, behind, right
-    clockwise = Part(angle_min=0.0, angle_increment=-step, ranges=ranges)
+    clockwise = Part(angle_min=0.0, angle_increment=-step, ranges=ranges, **reach)
     found = reading_of("sensor_msgs/LaserScan", clockwise, laser, robot, "/scan")
     assert (found[180], found[270], found[0], found[90]) == (1.0, 271.0, 181.0, 91.0)
-    narrow = Part(angle_min=-1.0, angle_increment=2.0 / 359.0, ranges=ranges)
+    narrow = Part(angle_min=-1.0, angle_increment=2.0 / 359.0, ranges=ranges, **reach)
     with pytest.raises(am.AnalysisError, match=r"/scan: .* -180\.0 to 179\.0 degrees, got -57\.3 to"):
         reading_of("sensor_msgs/LaserScan", narrow, laser, robot, "/scan")
 

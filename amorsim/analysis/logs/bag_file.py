@@ -227,6 +227,11 @@ class _Messages:
         sensor, header = unit.sensor, self._header(stamp, frame)
         angles = beams_of(sensor)
         if angles is not None and len(angles) == len(values):
+            # Noise may have led values out of the sensor's range; ROS has none there that count.
+            told = values[np.isfinite(values)]
+            low, high = (
+                float(getattr(sensor, name, other)) for name, other in (("range_min", 0.0), ("range_max", np.inf))
+            )
             return self._type("sensor_msgs/msg/LaserScan")(
                 header=header,
                 angle_min=float(angles[0]),
@@ -234,8 +239,8 @@ class _Messages:
                 angle_increment=float(angles[1] - angles[0]),
                 time_increment=0.0,
                 scan_time=0.0,
-                range_min=float(getattr(sensor, "range_min", 0.0)),
-                range_max=float(getattr(sensor, "range_max", np.inf)),
+                range_min=float(told.min(initial=float(low))),
+                range_max=float(told.max(initial=float(high))),
                 ranges=values.astype(np.float32),
                 intensities=np.empty(0, np.float32),
             )

@@ -37,16 +37,17 @@ from typing import NamedTuple
 import numpy as np
 from scipy.ndimage import median_filter
 
+from amorsim.analysis.logs.odometry_counts import OdometryCounts
 from amorsim.analysis.logs.run_log import LogEntry
+from amorsim.analysis.logs.scan_geometry import ScanGeometry
 from amorsim.array_types import Array
 from amorsim.contracts import Sensor
 from amorsim.core.errors import AnalysisError
-from amorsim.core.poses import compose, logarithm, relative
-from amorsim.core.rows import stack
+from amorsim.core.poses import compose, relative
 from amorsim.scenario.spec import Robot
 from amorsim.sensors.encoder import Encoder
 
-__all__ = ["SUFFIXES", "CarmenMessage", "entries_of_carmen", "read_carmen"]
+__all__ = ["SUFFIXES", "CarmenMessage", "carmen_geometry", "entries_of_carmen", "read_carmen"]
 
 
 SUFFIXES = (".log", ".clf", ".gfs")
@@ -159,42 +160,42 @@ def entries_of_carmen(path: Path, robot: Robot, damaged: Callable[[str], None] |
     """
     messages = read_carmen(path, damaged)
     has_odometry = any(message.kind == "ODOM" for message in messages)
-    encoder = next((name for name, one in robot.sensors.items() if isinstance(one.sensor, Encoder)), None)
+    encoders = {name: one.sensor for name, one in robot.sensors.items() if isinstance(one.sensor, Encoder)}
     scanner = next((name for name, one in robot.sensors.items() if one.sensor.bearings() is not None), None)
-    if encoder is None or not all(joint.rolls for joint in robot.drive.joints):
+    if not encoders:
         raise AnalysisError(
-            f"robot {robot.name!r}: a log of CARMEN holds poses by odometry, which become counts of an encoder on "
-            "wheels that only roll; the robot has none"
+            f"robot {robot.name!r}: a log of CARMEN holds poses by odometry, which become counts of an encoder; the "
+            "robot has none"
         )
-    wheels = _Wheels(robot, robot.sensors[encoder].sensor)
+    encoder = next(iter(encoders))
+    wheels = OdometryCounts(robot, encoders[encoder], str(path))
     for time, together in itertools.groupby(messages, lambda message: message.time):
         readings = {}
         for message in together:
             if message.kind == "ODOM" or not has_odometry:
-                readings[encoder] = wheels.counts(message.odometry)
+                readings[encoder] = wheels.at(message.odometry)
             if message.ranges is not None and scanner is not None:
                 readings[scanner] = _scan(message, robot.sensors[scanner].sensor, f"{path}, at {time:g} s")
         if readings:
             yield LogEntry(time, readings, None, {})
 
 
-class _Wheels:
-    """The counts of an encoder while odometry moves."""
+def carmen_geometry(path: Path) -> ScanGeometry | None:
+    """The beams of the first scan in a log; None if there is none. FLASER has those of a SICK, over a half circle.
 
-    def __init__(self, robot: Robot, encoder: Sensor) -> None:
-        self._drive = stack([robot.drive])
-        self._per_turn = np.asarray(getattr(encoder, "counts_per_revolution"))  # noqa: B009 - of encoders alone
-        self._angles = np.zeros((1, len(robot.drive.joints)))
-        self._pose: Array | None = None
-
-    def counts(self, pose: Array) -> Array:
-        """The counts `(j,)` at a pose."""
-        if self._pose is not None:
-            motion = logarithm(relative(self._pose[None], pose[None]))
-            self._angles = self._angles + self._drive.command_for(np.ascontiguousarray(motion), self._angles)  # in 1 s
-        self._pose = pose
-        counts: Array = self._angles[0] / (2.0 * math.pi) * self._per_turn
-        return counts
+    Raises
+    ------
+    AnalysisError
+        As `read_carmen`, but damaged lines are left out.
+    """
+    for message in read_carmen(path, lambda _: None):
+        if message.ranges is not None:
+            beams, bearings = len(message.ranges), message.bearings
+            # Of 181 beams the first and the last look to the sides; of 180 the last does not look there yet.
+            half_circle = math.pi if beams % 2 else math.pi * (1.0 - 1.0 / beams)
+            span = half_circle if bearings is None else float(abs(bearings[-1] - bearings[0]))
+            return ScanGeometry(beams, span, None)
+    return None
 
 
 def _scan(message: CarmenMessage, sensor: Sensor, where: str) -> Array:

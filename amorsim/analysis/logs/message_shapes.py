@@ -98,7 +98,11 @@ _SHAPES: Mapping[str, Mapping[str, Any]] = {
         "linear_acceleration": _PLACE,
     },
     "sensor_msgs/JointState": {**_HEADER, "name": _TEXTS, "position": _NUMBERS},
-    "sensor_msgs/LaserScan": {**_HEADER, "ranges": _NUMBERS, "angle_min": _NUMBER, "angle_increment": _NUMBER},
+    "sensor_msgs/LaserScan": {
+        **_HEADER,
+        "ranges": _NUMBERS,
+        **dict.fromkeys(("angle_min", "angle_increment", "range_min", "range_max"), _NUMBER),
+    },
     "sensor_msgs/Range": {**_HEADER, "range": _NUMBER},
     "std_msgs/Float32MultiArray": {"data": _NUMBERS},
     "std_msgs/Float64MultiArray": {"data": _NUMBERS},

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from amorsim.analysis.logs.message_shapes import VALUES
+from amorsim.analysis.logs.scan_geometry import ScanGeometry, laser_with
 from amorsim.analysis.trajectory import yaw
 from amorsim.array_types import Array
 from amorsim.contracts import Sensor
@@ -16,15 +17,29 @@ from amorsim.core.errors import AnalysisError
 from amorsim.core.poses import wrap_angle
 from amorsim.core.rows import stack
 from amorsim.scenario.spec import Robot
-from amorsim.sensors import Compass, Encoder, Gps, Gyro, Imu
+from amorsim.sensors import Compass, Encoder, Gps, Gyro, Imu, Laser
 from amorsim.simulation.fleet.grouping import channels_of
 
-__all__ = ["beams_of", "command_of", "holds_pose", "nanoseconds_of", "pose_of", "quaternion", "reading_of"]
+__all__ = [
+    "SCANS",
+    "beams_of",
+    "command_of",
+    "geometry_of",
+    "holds_pose",
+    "nanoseconds_of",
+    "plane_pose",
+    "pose_of",
+    "quaternion",
+    "reading_of",
+]
 
 Pose = tuple[float, float, float]
 
 _EVEN = 1e-9  # [rad] to which angles at equal steps are equal
 _ARRAYS = ("std_msgs/Float64MultiArray", "std_msgs/Float32MultiArray")
+SCANS = ("sensor_msgs/LaserScan", "foxglove.LaserScan")
+"""The kinds of messages that hold scans."""
+
 _TRANSFORMS = ("geometry_msgs/TransformStamped", "foxglove.FrameTransform")
 _POSES = (
     "nav_msgs/Odometry",
@@ -73,8 +88,20 @@ def pose_of(kind: str, content: Any, frame: str | None) -> tuple[Any, Pose] | No
         moved = content if kind == "foxglove.FrameTransform" else content.transform
         return content, _plane(moved.translation, moved.rotation)
     has_covariance = kind in _POSES[:2]
-    pose = content.pose.pose if has_covariance else content.pose
-    return content, _plane(pose.position, pose.orientation)
+    return content, plane_pose(content.pose.pose if has_covariance else content.pose)
+
+
+def plane_pose(pose: Any) -> Pose:
+    """A pose of ROS or Foxglove in the plane z = 0: x, y [m], heading [rad]."""
+    return _plane(pose.position, pose.orientation)
+
+
+def geometry_of(kind: str, content: Any) -> ScanGeometry:
+    """The beams of a scan."""
+    beams = len(content.ranges)
+    if kind == "sensor_msgs/LaserScan":
+        return ScanGeometry(beams, abs(float(content.angle_increment)) * (beams - 1), float(content.range_max))
+    return ScanGeometry(beams, abs(float(content.end_angle) - float(content.start_angle)), None)
 
 
 def _plane(place: Any, turned: Any) -> Pose:
@@ -106,7 +133,7 @@ def reading_of(kind: str, content: Any, sensor: Sensor, robot: Robot, topic: str
         return np.array([turn] if isinstance(sensor, Gyro) else [moved.x, moved.y, turn])
     if isinstance(sensor, Gps) and kind == "geometry_msgs/PointStamped":
         return np.array([content.point.x, content.point.y])
-    if kind in ("sensor_msgs/LaserScan", "foxglove.LaserScan") and sensor.bearings() is not None:
+    if kind in SCANS and sensor.bearings() is not None:
         return _ranges(kind, content, sensor, topic)
     if kind == "sensor_msgs/Range" and sensor.unit == "m":
         return np.array([content.range], dtype=np.float64)
@@ -131,17 +158,30 @@ def _counts(content: Any, sensor: Encoder, robot: Robot, topic: str) -> Array:
 
 
 def _ranges(kind: str, content: Any, sensor: Sensor, topic: str) -> Array:
-    """The ranges of a scan in the order of the sensor's own beams, found by their angles."""
+    """The ranges of a scan in the order of the sensor's own beams, found by their angles.
+
+    Of a finite range beyond what the scan says that it can measure, nothing returned (inf); one that is too short, as
+    the 0 of many drivers, is lost (nan).
+    """
     ranges = np.asarray(content.ranges, dtype=np.float64)
     if kind == "sensor_msgs/LaserScan":
+        ranges = np.where((ranges < content.range_min) & (ranges > -np.inf), np.nan, ranges)
+        ranges = np.where(ranges > content.range_max, np.inf, ranges)
         # Not from angle_max: some drivers give the end of a full circle there, one step past the last beam.
         angles = content.angle_min + content.angle_increment * np.arange(len(ranges))
     else:
         angles = np.linspace(content.start_angle, content.end_angle, len(ranges))
         ranges = np.where(ranges == 0.0, np.inf, ranges)  # as JSON has no infinity
     own = beams_of(sensor)
-    if own is None or len(own) != len(ranges):  # numbers that do not fit are refused by who takes the reading
+    if own is None:  # numbers that do not fit are refused by who takes the reading
         return ranges
+    if len(own) != len(ranges):
+        laser = laser_with(geometry_of(kind, content), Laser())
+        raise AnalysisError(
+            f"{topic}: a scan of {len(ranges)} beams, and the robot's sensor has {len(own)}; give it as many, as "
+            f"laser = {{ beams = {laser.beams}, fov_deg = {math.degrees(laser.fov):.6g}, range_max = "
+            f"{laser.range_max:.6g} }}"
+        )
     if (angles[-1] > angles[0]) != (own[-1] > own[0]):
         angles, ranges = angles[::-1], ranges[::-1]
     first = int(np.argmin(_apart(angles, own[0])))  # the scan of a full circle may begin anywhere

@@ -11,10 +11,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from amorsim.analysis.logs.carmen import SUFFIXES, entries_of_carmen
+from amorsim.analysis.logs.carmen import SUFFIXES, carmen_geometry, entries_of_carmen
 from amorsim.analysis.logs.message_shapes import check_message
-from amorsim.analysis.logs.message_values import command_of, holds_pose, pose_of, reading_of
+from amorsim.analysis.logs.message_values import (
+    SCANS,
+    beams_of,
+    command_of,
+    geometry_of,
+    holds_pose,
+    plane_pose,
+    pose_of,
+    reading_of,
+)
+from amorsim.analysis.logs.odometry_counts import OdometryCounts
 from amorsim.analysis.logs.run_log import LogEntry, entries_of_run
+from amorsim.analysis.logs.scan_geometry import ScanGeometry
 from amorsim.analysis.trajectory import Trajectory
 from amorsim.array_types import Array
 from amorsim.core.arguments import check_kind, path_of
@@ -24,8 +35,9 @@ from amorsim.core.files.reading import is_file, is_folder
 from amorsim.core.unknown_names import no_such
 from amorsim.runs.folder import ABOUT
 from amorsim.scenario.spec import Robot
+from amorsim.sensors.encoder import Encoder
 
-__all__ = ["read_bag", "read_log", "read_mcap"]
+__all__ = ["read_bag", "read_log", "read_mcap", "recorded_geometry"]
 
 
 class _Received(NamedTuple):
@@ -84,6 +96,7 @@ def read_log(
     command: str | None = None,
     replica: int | None = None,
     damaged: Callable[[str], None] | None = None,
+    as_measured: bool = False,
 ) -> Iterator[LogEntry]:
     """The readings that a robot received: from a run's folder, a rosbag, an MCAP file or a log of CARMEN.
 
@@ -100,8 +113,9 @@ def read_log(
         and scans are those of its laser.
     topics
         By sensor, the topic of its readings, as ``{"laser": "/scan"}``. Without it, each sensor's is
-        ``/ROBOT/SENSOR``, as in exported runs; sensors without a topic are left out, and if none has one, that is an
-        error.
+        ``/ROBOT/SENSOR``, as in exported runs; if there are none of these, the only topic of scans is the laser's, and
+        the only one of joints, or else of odometry, the encoder's. Sensors without a topic are left out, and if none
+        has one, that is an error.
     command
         The topic of commands, such as ``"/cmd_vel"``; without it, ``/ROBOT/command``, if it is there. A twist becomes
         the command that the nominal drive needs for it.
@@ -110,6 +124,9 @@ def read_log(
     damaged
         Of a log of CARMEN: called with a message for each damaged line, which is left out. Without it, the first one is
         an error.
+    as_measured
+        Of a recording: whether times are those at which readings were measured, by their headers, instead of those at
+        which they arrived. Then no reading is old, and all messages are read at once.
 
     Raises
     ------
@@ -143,20 +160,66 @@ def read_log(
         for topic in needed:
             if topic not in there:
                 raise _no_topic(path, topic, there)
+        expected = list(own)
+        if topics is None and not any(topic in there for topic in own):
+            own.clear()
+            own.update(_by_kind(robot, there))
         found = [topic for topic in (*own, orders) if topic in there]
-        if not found or (own and found == [orders]):
+        if not found or (expected and found == [orders]):
             raise AnalysisError(
-                f"{path}: there is none of the topics {', '.join(own)}; say which topic has the readings of which "
+                f"{path}: there is none of the topics {', '.join(expected)}; say which topic has the readings of which "
                 f"sensor with topics=, as {{'laser': '/scan'}}. It has: {_listed(there)}"
             )
         return found
 
-    return _entries(path, _opened(path)(path, wanted), robot, own, orders)
+    messages = _opened(path)(path, wanted)
+    return _entries(path, _as_measured(messages) if as_measured else messages, robot, own, orders)
+
+
+def _by_kind(robot: Robot, there: Topics) -> dict[str, str]:
+    """The sensors of the topics that only one sensor can have, and that only one topic can be for."""
+    scanners = [name for name, one in robot.sensors.items() if beams_of(one.sensor) is not None]
+    encoders = [name for name, one in robot.sensors.items() if isinstance(one.sensor, Encoder)]
+    found: dict[str, str] = {}
+    for sensors, kinds in ((scanners, (SCANS,)), (encoders, (("sensor_msgs/JointState",), ("nav_msgs/Odometry",)))):
+        for kind in kinds:
+            fit = [topic for topic, one in there.items() if one in kind]
+            if fit:
+                found |= {fit[0]: sensors[0]} if len(fit) == len(sensors) == 1 else {}
+                break
+    return found
+
+
+def recorded_geometry(path: Path, topic: str | None) -> ScanGeometry | None:
+    """The beams of the first scan in a recording, on a topic or its only one of scans; None if there is none.
+
+    Raises
+    ------
+    AnalysisError
+        If the recording cannot be read.
+    """
+    if _is_carmen(path):
+        return carmen_geometry(path)
+
+    def wanted(there: Topics) -> list[str]:
+        scans = [name for name, kind in there.items() if kind in SCANS and topic in (None, name)]
+        return scans if len(scans) == 1 else []
+
+    for each in _opened(path)(path, wanted):
+        check_message(each.kind, each.content, f"{path}, {each.topic}")
+        return geometry_of(each.kind, each.content)
+    return None
 
 
 def _is_carmen(path: Path) -> bool:
     ends = path.suffixes[:-1] if path.suffix == ".gz" else path.suffixes
     return bool(ends) and ends[-1] in SUFFIXES
+
+
+def _as_measured(messages: Iterator[_Received]) -> Iterator[_Received]:
+    """Messages in the order in which they were measured, as if they had arrived at once."""
+    measured = (each._replace(time=_stamp(each.content, each.time)) for each in messages)
+    return iter(sorted(measured, key=lambda each: each.time))
 
 
 def _entries(
@@ -168,6 +231,7 @@ def _entries(
     ages: dict[str, float] = {}
     held: Array | None = None
     given: Array | None = None
+    odometry: dict[str, OdometryCounts] = {}
     for each in messages:
         check_message(each.kind, each.content, f"{path}, {each.topic}")
         if time is not None and each.time != time:
@@ -178,7 +242,12 @@ def _entries(
             given = command_of(each.kind, each.content, robot, each.topic)
         else:
             name = sensors[each.topic]
-            readings[name] = reading_of(each.kind, each.content, robot.sensors[name].sensor, robot, each.topic)
+            sensor = robot.sensors[name].sensor
+            if each.kind == "nav_msgs/Odometry" and isinstance(sensor, Encoder):
+                counts = odometry.setdefault(name, OdometryCounts(robot, sensor, f"{path}, {each.topic}"))
+                readings[name] = counts.at(np.array(plane_pose(each.content.pose.pose)))
+            else:
+                readings[name] = reading_of(each.kind, each.content, sensor, robot, each.topic)
             ages[name] = max(0.0, (time - _stamp(each.content, time)) / 1e9)
     if time is not None:
         yield LogEntry(time / 1e9, readings, held, ages)
@@ -295,7 +364,7 @@ def _bag(path: Path, wanted: Wanted) -> Iterator[_Received]:
     with _damage(path), AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
         chosen = set(wanted({each.topic: _kind(each.msgtype) for each in reader.connections}))
         connections = [each for each in reader.connections if each.topic in chosen]
-        for connection, time, data in reader.messages(connections):
+        for connection, time, data in reader.messages(connections) if connections else ():  # of none it reads all
             yield _Received(
                 time, connection.topic, _kind(connection.msgtype), reader.deserialize(data, connection.msgtype)
             )
@@ -327,7 +396,8 @@ def _mcap(path: Path, wanted: Wanted) -> Iterator[_Received]:
         }
         if summary.channels and not there:
             raise AnalysisError(f"{path}: its messages are not JSON; read it with read_bag if it is of ROS 2")
-        for _, channel, message in reader.iter_messages(topics=list(wanted(there))):
+        chosen = list(wanted(there))
+        for _, channel, message in reader.iter_messages(topics=chosen) if chosen else ():
             if channel.message_encoding == "json":
                 content = parse_json(message.data, lambda table: SimpleNamespace(**table))
                 yield _Received(message.log_time, channel.topic, there[channel.topic], content)

@@ -7,6 +7,8 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+import attrs
+import numpy as np
 import typer
 
 from amorsim.cli.console import complain, say
@@ -45,13 +47,15 @@ def command(
         typer.Option(
             metavar="MODEL",
             help="The robot that made the log: a model, or its .toml file. Of a run's folder, the name of one of its "
-            "robots. [default: pioneer2dx-lms200; the run's first]",
+            "robots. [default: pioneer2dx-lms200 with the log's beams; the run's first]",
         ),
     ] = None,
     estimator: Annotated[
         str | None,
         typer.Option(
-            metavar="NAME", help="Which of the robot's estimators runs on the log. [default: its first graph_slam]"
+            metavar="NAME",
+            help="Which of the robot's estimators runs on the log. [default: its first graph_slam, or one "
+            "like that of pioneer2dx-lms200]",
         ),
     ] = None,
     relations: Annotated[
@@ -83,8 +87,8 @@ def command(
         raise AmorsimError(f"--resolution: expected a number of metres > 0, got {resolution:g}")
     pairs = _topics(topic or [])
     known = _relations(relations)
-    used = _robot(log, robot)
-    name = _graph_slam(used) if estimator is None else estimator
+    used = _robot(log, robot, pairs)
+    used, name = _with_graph_slam(used) if estimator is None else (used, estimator)
     damage: list[str] = []
     begun = time.perf_counter()
     folder = new_folder(f"{log.name.partition('.')[0]}-slam") if out is None else out
@@ -110,6 +114,8 @@ def command(
     page = slam_page(found, load_map(folder / "map.yaml"), log.name, facts, errors)
     write_text(folder / "report.html", page.text, within=folder)
     say("\n" + "\n".join(str(path) for path in map(folder.joinpath, _MADE) if path.exists()))
+    if not np.ptp(found.odometry.poses, axis=0).any():
+        complain("by the log's odometry the robot never moved: the path is by its scans alone")
     say(f"To see it happen: amorsim replay {folder}")
     if not found.is_whole:
         complain(f"interrupted: this is of the log up to {found.path.time[-1]:g} s")
@@ -135,9 +141,9 @@ def _relations(path: Path | None) -> Any:
     return read_relations(path)
 
 
-def _robot(log: Path, name: str | None) -> Robot:
+def _robot(log: Path, name: str | None, topics: dict[str, str]) -> Robot:
     """The robot that made a log."""
-    from amorsim.analysis.logs.slam_on_log import ROBOT
+    from amorsim.analysis.logs.slam_on_log import robot_of
     from amorsim.core.files.reading import is_file
     from amorsim.core.unknown_names import no_such
     from amorsim.runs.folder import ABOUT
@@ -146,24 +152,23 @@ def _robot(log: Path, name: str | None) -> Robot:
     from amorsim.scenario.reading.robots import load_robot
 
     if not is_file(log / ABOUT):
-        return load_robot(ROBOT if name is None else name, pose=Pose())
+        return robot_of(log, topics) if name is None else load_robot(name, pose=Pose())
     robots = {one.name: one for one in scenario_of(log, read_about(log)).robots}
     if name is not None and name not in robots:
         raise AmorsimError(f"--robot: {no_such('robot', name, robots, whose='the run')}")
     return next(iter(robots.values())) if name is None else robots[name]
 
 
-def _graph_slam(robot: Robot) -> str:
-    """The name of the robot's first estimator that solves a graph."""
+def _with_graph_slam(robot: Robot) -> tuple[Robot, str]:
+    """The robot and the name of its first estimator that solves a graph; it gets that of the default robot if none."""
+    from amorsim.analysis.logs.slam_on_log import default_robot
     from amorsim.estimators import GraphSlam
 
-    found = next((name for name, one in robot.estimators.items() if isinstance(one, GraphSlam)), None)
-    if found is None:
-        known = ", ".join(robot.estimators) or "none"
-        raise AmorsimError(
-            f"robot {robot.name!r} has no graph_slam; name one of its estimators with --estimator: {known}"
-        )
-    return found
+    for name, one in robot.estimators.items():
+        if isinstance(one, GraphSlam):
+            return robot, name
+    name = "graph_slam"
+    return attrs.evolve(robot, estimators={**robot.estimators, name: default_robot().estimators[name]}), name
 
 
 def _errors(found: SlamResult, known: Any) -> dict[str, PoseErrors]:

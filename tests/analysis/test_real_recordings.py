@@ -1,0 +1,158 @@
+"""Recordings as real robots leave them: odometry and scans by their own names, which arrive late."""
+
+import itertools
+import math
+from pathlib import Path
+from typing import Any
+
+import attrs
+import numpy as np
+import pytest
+
+import amorsim as am
+from amorsim.analysis import read_log, slam
+from amorsim.analysis.logs.scan_geometry import ScanGeometry, laser_with
+from amorsim.sensors import Laser
+from tests import building
+
+LATE = 0.04  # [s] after they were measured scans arrive
+BEAMS = 360
+
+
+def driven() -> am.Simulation:
+    """A robot with a laser all around in a room, which drives two rounds."""
+    laser = am.MountedSensor(sensor=Laser(beams=BEAMS, fov=2.0 * math.pi, range_max=12.0), rate=5.0)
+    robot = building.robot(
+        pose=am.Pose(x=1.5, y=1.5),
+        controller=am.controllers.Square(side=2.0, speed=0.5),
+        sensors={"encoder": building.all_sensors()["encoder"], "laser": laser},
+        errors={"drive.wheel_radius_left": am.Deviation(scale=1.01)},
+    )
+    return am.Simulation(building.scenario(robot), seed=2)
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Any]:
+    """A rosbag of ``/odom``, ``/scan`` and ``/battery``, and the true path in the frame of its start."""
+    from rosbags.rosbag2 import Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    store = get_typestore(Stores.ROS2_HUMBLE)
+
+    def make(name: str, *values: Any) -> Any:
+        return store.types[name.replace("/", "/msg/")](*values)
+
+    def header(time: float) -> Any:
+        stamp = make("builtin_interfaces/Time", int(time), int(time % 1.0 * 1e9))
+        return make("std_msgs/Header", stamp, "base")
+
+    path, sim = tmp_path_factory.mktemp("bag") / "monday", driven()
+    start, begun, truth, messages = sim.true_pose.copy(), sim.estimated_pose.copy(), [], []
+    nothing = make("geometry_msgs/Twist", *(make("geometry_msgs/Vector3", 0.0, 0.0, 0.0) for _ in range(2)))
+    for step in range(400):
+        time = 1e3 + step * sim.dt
+        x, y, heading = am.relative(begun, sim.estimated_pose)[0].tolist()
+        truth.append((time, *am.relative(start, sim.true_pose)[0].tolist()))
+        turned = make("geometry_msgs/Quaternion", 0.0, 0.0, math.sin(0.5 * heading), math.cos(0.5 * heading))
+        pose = make("geometry_msgs/Pose", make("geometry_msgs/Point", x + 3.0, y - 1.0, 0.0), turned)
+        pose = make("geometry_msgs/PoseWithCovariance", pose, np.zeros(36))
+        twist = make("geometry_msgs/TwistWithCovariance", nothing, np.zeros(36))
+        messages.append((time, "/odom", make("nav_msgs/Odometry", header(time), "base", pose, twist)))
+        reading = sim.frames()[0].readings["laser"][1]
+        if reading.fresh[0, 0]:
+            # This driver begins ahead, and has 0 where nothing returned.
+            ranges = np.roll(reading.measured[0], -BEAMS // 2)
+            ranges = np.where(np.isfinite(ranges), ranges, 0.0).astype(np.float32)
+            beams = 0.0, 2.0 * math.pi, 2.0 * math.pi / BEAMS, 0.0, 0.2, 0.1, 12.0
+            scan = make("sensor_msgs/LaserScan", header(time), *beams, ranges, np.zeros(0, np.float32))
+            messages.append((time + LATE, "/scan", scan))
+        sim.step()
+    messages.append((1e3, "/battery", make("std_msgs/Float64", 12.0)))
+    with Writer(path, version=9) as writer:
+        kinds = {topic: message.__msgtype__ for _, topic, message in messages}
+        connections = {topic: writer.add_connection(topic, kind, typestore=store) for topic, kind in kinds.items()}
+        for time, topic, message in sorted(messages, key=lambda each: each[0]):
+            data = store.serialize_cdr(message, kinds[topic])
+            writer.write(connections[topic], round(time * 1e9), data)
+    return path, np.array(truth)
+
+
+def test_a_bag_becomes_a_path_without_further_words(bag: tuple[Path, Any]) -> None:
+    """Its topics and the beams of its laser are found, and scans count when they were measured."""
+    path, truth = bag
+    found = slam(path, progress=False)
+    assert found.scans.shape[1] == BEAMS
+    assert len(found.path) > 30
+    true = am.analysis.Trajectory(time=truth[:, 0], poses=truth[:, 1:])
+    path_off, wheels_off = (am.analysis.ape(true, one, align="none").position for one in (found.path, found.odometry))
+    assert path_off.max() < 0.01
+    assert wheels_off.max() > 0.2
+
+
+def test_a_scan_has_the_time_at_which_it_was_measured(bag: tuple[Path, Any]) -> None:
+    path, _ = bag
+    robot = am.analysis.robot_of(path)
+    arrived, measured = (
+        [entry for entry in read_log(path, robot, as_measured=as_measured) if "laser" in entry.readings]
+        for as_measured in (False, True)
+    )
+    for late, one in zip(arrived, measured, strict=True):
+        assert late.time - one.time == pytest.approx(LATE, abs=1e-6)
+        assert late.ages["laser"] == pytest.approx(LATE, abs=1e-6)
+        assert one.ages["laser"] == 0.0
+    times = [entry.time for entry in read_log(path, robot, as_measured=True)]
+    assert all(before < after for before, after in itertools.pairwise(times))
+
+
+def test_topics_that_could_be_meant_otherwise_have_to_be_given(bag: tuple[Path, Any]) -> None:
+    path, _ = bag
+    two = am.load_robot("pioneer2dx-lms200", pose=am.Pose())
+    two = attrs.evolve(two, sensors={**two.sensors, "second": two.sensors["laser"]})
+    entries = list(read_log(path, two))
+    assert {name for entry in entries for name in entry.readings} == {"encoder"}
+    with pytest.raises(am.AnalysisError, match=r"there is none of the topics /robot/sonar.*; say which topic has"):
+        list(read_log(path, attrs.evolve(two, sensors={"sonar": am.load_robot("pioneer2dx").sensors["sonar"]})))
+
+
+def test_the_beams_that_a_robot_needs_are_said(bag: tuple[Path, Any]) -> None:
+    path, _ = bag
+    words = r"/scan: a scan of 360 beams, .* has 180; .* laser = { beams = 360, fov_deg = 360, range_max = 12 }"
+    with pytest.raises(am.AnalysisError, match=words):
+        list(read_log(path, am.load_robot("pioneer2dx-lms200", pose=am.Pose())))
+
+
+def test_a_scan_on_a_topic_that_is_not_there_is_not_another_one(bag: tuple[Path, Any]) -> None:
+    path, _ = bag
+    for topics in ({"laser": "/scann", "encoder": "/odom"}, {"laser": "/battery"}):
+        laser = am.analysis.robot_of(path, topics).sensors["laser"].sensor
+        assert isinstance(laser, Laser)
+        assert laser.beams == 180
+    with pytest.raises(am.AnalysisError, match=r"there is no topic '/scann'.*Did you mean '/scan'\?"):
+        slam(path, topics={"laser": "/scann"}, progress=False)
+
+
+def test_odometry_needs_wheels_that_only_roll(bag: tuple[Path, Any]) -> None:
+    path, _ = bag
+    car = am.load_robot("car", pose=am.Pose())
+    with pytest.raises(am.AnalysisError, match=r"/odom: poses by odometry become counts .* those of robot .* steer"):
+        list(read_log(path, car, topics={"encoder": "/odom"}))
+
+
+@pytest.mark.parametrize(
+    ("geometry", "fov", "range_max"),
+    [
+        (ScanGeometry(360, math.radians(359.0), 3.5), 2.0 * math.pi, 3.5),  # the last beam is one before the first
+        (ScanGeometry(720, 2.0 * math.pi, 12.0), 2.0 * math.pi - 1e-6, 12.0),  # it is the first again
+        (ScanGeometry(1081, math.radians(270.0), 30.0), math.radians(270.0), 30.0),
+        (ScanGeometry(181, math.pi, math.inf), math.pi, 8.0),
+        (ScanGeometry(181, math.pi, None), math.pi, 8.0),
+        (ScanGeometry(1, 0.0, 4.0), math.pi, 4.0),
+    ],
+)
+def test_a_laser_gets_the_beams_of_a_scan(geometry: ScanGeometry, fov: float, range_max: float) -> None:
+    laser = laser_with(geometry, Laser())
+    assert (laser.beams, laser.range_max) == (geometry.beams, range_max)
+    assert laser.fov == pytest.approx(fov)
+    bearings = laser.bearings()[0]
+    if geometry.beams > 1:
+        assert np.diff(bearings) == pytest.approx(geometry.span / (geometry.beams - 1))
