@@ -9,8 +9,9 @@ from amorsim.analysis.consistency import run_nees, run_nis
 from amorsim.analysis.differences import Comparison, Difference
 from amorsim.analysis.export import export_run
 from amorsim.analysis.logs.recordings import read_bag, read_log, read_mcap
+from amorsim.analysis.logs.robot_of_log import robot_of
 from amorsim.analysis.logs.run_log import LogEntry
-from amorsim.analysis.logs.slam_on_log import SlamResult, robot_of, slam
+from amorsim.analysis.logs.slam_on_log import SlamResult, slam
 from amorsim.analysis.measuring import measure
 from amorsim.analysis.pose_errors import PoseErrors, Statistics, ape, relation_errors, rpe
 from amorsim.analysis.relations import clock_offset, read_relations

@@ -96,10 +96,10 @@ def plane_pose(pose: Any) -> Pose:
     return _plane(pose.position, pose.orientation)
 
 
-def geometry_of(kind: str, content: Any) -> ScanGeometry:
-    """The beams of a scan."""
+def geometry_of(content: Any) -> ScanGeometry:
+    """The beams of a scan, of ROS or Foxglove."""
     beams = len(content.ranges)
-    if kind == "sensor_msgs/LaserScan":
+    if hasattr(content, "angle_increment"):
         return ScanGeometry(beams, abs(float(content.angle_increment)) * (beams - 1), float(content.range_max))
     return ScanGeometry(beams, abs(float(content.end_angle) - float(content.start_angle)), None)
 
@@ -176,7 +176,7 @@ def _ranges(kind: str, content: Any, sensor: Sensor, topic: str) -> Array:
     if own is None:  # numbers that do not fit are refused by who takes the reading
         return ranges
     if len(own) != len(ranges):
-        laser = laser_with(geometry_of(kind, content), Laser())
+        laser = laser_with(geometry_of(content), Laser())
         raise AnalysisError(
             f"{topic}: a scan of {len(ranges)} beams, and the robot's sensor has {len(own)}; give it as many, as "
             f"laser = {{ beams = {laser.beams}, fov_deg = {math.degrees(laser.fov):.6g}, range_max = "

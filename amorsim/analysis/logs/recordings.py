@@ -11,13 +11,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from amorsim.analysis.logs.carmen import SUFFIXES, carmen_geometry, entries_of_carmen
+from amorsim.analysis.logs.carmen import SUFFIXES, entries_of_carmen
 from amorsim.analysis.logs.message_shapes import check_message
 from amorsim.analysis.logs.message_values import (
     SCANS,
     beams_of,
     command_of,
-    geometry_of,
     holds_pose,
     plane_pose,
     pose_of,
@@ -25,7 +24,6 @@ from amorsim.analysis.logs.message_values import (
 )
 from amorsim.analysis.logs.odometry_counts import OdometryCounts
 from amorsim.analysis.logs.run_log import LogEntry, entries_of_run
-from amorsim.analysis.logs.scan_geometry import ScanGeometry
 from amorsim.analysis.trajectory import Trajectory
 from amorsim.array_types import Array
 from amorsim.core.arguments import check_kind, path_of
@@ -37,7 +35,7 @@ from amorsim.runs.folder import ABOUT
 from amorsim.scenario.spec import Robot
 from amorsim.sensors.encoder import Encoder
 
-__all__ = ["read_bag", "read_log", "read_mcap", "recorded_geometry"]
+__all__ = ["is_carmen", "messages_of", "read_bag", "read_log", "read_mcap"]
 
 
 class _Received(NamedTuple):
@@ -142,7 +140,7 @@ def read_log(
         if topics is not None or command is not None:
             raise AnalysisError(f"{path}: the folder of a run has no topics; leave out topics and command")
         return entries_of_run(path, robot, replica)
-    if _is_carmen(path):
+    if is_carmen(path):
         if topics is not None or command is not None or replica is not None:
             raise AnalysisError(f"{path}: a log of CARMEN has no topics and no replicas; leave them out")
         return entries_of_carmen(path, robot, damaged)
@@ -172,7 +170,7 @@ def read_log(
             )
         return found
 
-    messages = _opened(path)(path, wanted)
+    messages = messages_of(path, wanted)
     return _entries(path, _as_measured(messages) if as_measured else messages, robot, own, orders)
 
 
@@ -190,30 +188,21 @@ def _by_kind(robot: Robot, there: Topics) -> dict[str, str]:
     return found
 
 
-def recorded_geometry(path: Path, topic: str | None) -> ScanGeometry | None:
-    """The beams of the first scan in a recording, on a topic or its only one of scans; None if there is none.
+def is_carmen(path: Path) -> bool:
+    """Whether a file is a log of CARMEN, by its name."""
+    ends = path.suffixes[:-1] if path.suffix == ".gz" else path.suffixes
+    return bool(ends) and ends[-1] in SUFFIXES
+
+
+def messages_of(path: Path, wanted: Wanted) -> Iterator[_Received]:
+    """The messages of a recording on the topics that are wanted of those that are there.
 
     Raises
     ------
     AnalysisError
-        If the recording cannot be read.
+        If it cannot be read.
     """
-    if _is_carmen(path):
-        return carmen_geometry(path)
-
-    def wanted(there: Topics) -> list[str]:
-        scans = [name for name, kind in there.items() if kind in SCANS and topic in (None, name)]
-        return scans if len(scans) == 1 else []
-
-    for each in _opened(path)(path, wanted):
-        check_message(each.kind, each.content, f"{path}, {each.topic}")
-        return geometry_of(each.kind, each.content)
-    return None
-
-
-def _is_carmen(path: Path) -> bool:
-    ends = path.suffixes[:-1] if path.suffix == ".gz" else path.suffixes
-    return bool(ends) and ends[-1] in SUFFIXES
+    return _opened(path)(path, wanted)
 
 
 def _as_measured(messages: Iterator[_Received]) -> Iterator[_Received]:

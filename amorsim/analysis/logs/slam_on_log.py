@@ -13,17 +13,17 @@ import attrs
 import numpy as np
 
 from amorsim.algorithms.pose_graph import PoseGraph, write_g2o
-from amorsim.analysis.logs.recordings import RECORDING, read_log, recorded_geometry
+from amorsim.analysis.logs.recordings import RECORDING, read_log
+from amorsim.analysis.logs.robot_of_log import robot_of
 from amorsim.analysis.logs.run_log import LogEntry
-from amorsim.analysis.logs.scan_geometry import laser_with
 from amorsim.analysis.logs.slam_replay import SlamReplay
+from amorsim.analysis.logs.wheels_at_scans import with_wheels_at_scans
 from amorsim.analysis.trajectory import Trajectory, write_tum
 from amorsim.array_types import Array
 from amorsim.contracts import Estimator
 from amorsim.core.arguments import check_kind, checked, path_of
 from amorsim.core.errors import AnalysisError
 from amorsim.core.execution.progress import progress_shown
-from amorsim.core.files.reading import is_file
 from amorsim.core.maps.estimated_map import estimated_map
 from amorsim.core.maps.map import Map
 from amorsim.core.poses import compose, relative
@@ -34,14 +34,12 @@ from amorsim.kernels.kinematics.poses import directions
 from amorsim.kernels.mapping.nodes import add_nodes
 from amorsim.kernels.mapping.occupancy import probabilities_of_log_odds
 from amorsim.kernels.mapping.scan_cells import Area, window_for
-from amorsim.runs.folder import ABOUT
 from amorsim.scenario.pose import Pose
-from amorsim.scenario.reading.robots import load_robot
 from amorsim.scenario.spec import MountedSensor, Robot
 from amorsim.sensors.encoder import Encoder
 from amorsim.simulation.estimator_runner import EstimatorRunner
 
-__all__ = ["SlamResult", "default_robot", "robot_of", "slam"]
+__all__ = ["SlamResult", "slam"]
 
 
 _OUTLIERS = 1e-3  # share of the scans' ends at each side that need not lie on the map: beams through windows
@@ -184,8 +182,8 @@ def slam(
 ) -> SlamResult:
     """Run an estimator on a log, and keep the path, the scans and the graph.
 
-    Readings of a recording count when they were measured, not when they arrived. Ctrl-C ends it early, and keeps what
-    was found until then.
+    Readings of a recording count when they were measured, not when they arrived, and between two readings wheels turn
+    evenly. Ctrl-C ends it early, and keeps what was found until then.
 
     Parameters
     ----------
@@ -216,7 +214,9 @@ def slam(
     laser, encoder = _sensors(robot, estimator)
     wheels = EstimatorRunner(robot, DeadReckoning(encoder=encoder))
     given = {"topics": topics, "command": command, "replica": replica, "damaged": damaged, "as_measured": True}
-    entries = list(read_log(path, robot, **given))  # type: ignore[arg-type]  # as their names have them
+    received = list(read_log(path, robot, **given))  # type: ignore[arg-type]  # as their names have them
+    counts: Any = robot.sensors[encoder].sensor
+    entries = with_wheels_at_scans(received, laser, encoder, counts)
     kept = _Kept()
     is_whole = False
     with contextlib.ExitStack() as on_error:
@@ -287,32 +287,6 @@ class _Kept:
     def trajectory(self, poses: Sequence[Array], name: str) -> Trajectory:
         """These poses, at the scans' times."""
         return Trajectory(time=np.array(self.times), poses=np.array(poses), name=name)
-
-
-def default_robot() -> Robot:
-    """The model ``pioneer2dx-lms200`` at the origin."""
-    return load_robot("pioneer2dx-lms200", pose=Pose())
-
-
-@checked
-def robot_of(log: str | os.PathLike[str], topics: Mapping[str, str] | None = None) -> Robot:
-    """The robot that a log is taken to be of if nobody names one: the model ``pioneer2dx-lms200`` at the origin.
-
-    Its laser has the beams of the log's first scan, and looks ahead from the robot's base point. The nominal drive only
-    translates odometry, so that any robot whose wheels roll and do not steer may have made the log.
-
-    Raises
-    ------
-    AnalysisError
-        If the log cannot be read.
-    """
-    path, robot = path_of(log, "log", RECORDING), default_robot()
-    geometry = None if is_file(path / ABOUT) else recorded_geometry(path, (topics or {}).get("laser"))
-    if geometry is None:
-        return robot
-    laser = robot.sensors["laser"]
-    fitted: Any = laser_with(geometry, laser.sensor)  # type: ignore[arg-type]  # as that model has it
-    return attrs.evolve(robot, sensors={**robot.sensors, "laser": attrs.evolve(laser, sensor=fitted)})
 
 
 def _placed(robot: Robot) -> Robot:

@@ -143,7 +143,7 @@ def _relations(path: Path | None) -> Any:
 
 def _robot(log: Path, name: str | None, topics: dict[str, str]) -> Robot:
     """The robot that made a log."""
-    from amorsim.analysis.logs.slam_on_log import robot_of
+    from amorsim.analysis.logs.robot_of_log import robot_of
     from amorsim.core.files.reading import is_file
     from amorsim.core.unknown_names import no_such
     from amorsim.runs.folder import ABOUT
@@ -161,7 +161,7 @@ def _robot(log: Path, name: str | None, topics: dict[str, str]) -> Robot:
 
 def _with_graph_slam(robot: Robot) -> tuple[Robot, str]:
     """The robot and the name of its first estimator that solves a graph; it gets that of the default robot if none."""
-    from amorsim.analysis.logs.slam_on_log import default_robot
+    from amorsim.analysis.logs.robot_of_log import default_robot
     from amorsim.estimators import GraphSlam
 
     for name, one in robot.estimators.items():
