@@ -104,9 +104,7 @@ def test_a_bag_becomes_a_path_without_further_words(bag: tuple[Path, Any]) -> No
     true = am.analysis.Trajectory(time=truth[:, 0], poses=truth[:, 1:])
     path_off, wheels_off = (am.analysis.ape(true, one, align="none").position for one in (found.path, found.odometry))
     assert path_off.mean() < 0.003
-    assert (
-        path_off.max() < 0.04
-    )  # where it brakes between two readings; 0.051 if they count as they come
+    assert path_off.max() < 0.04  # where it brakes between two readings; 0.051 if they count as they come
     assert wheels_off.max() > 0.2
 
 
