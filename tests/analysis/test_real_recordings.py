@@ -161,10 +161,48 @@ def test_topics_that_could_be_meant_otherwise_have_to_be_given(bag: tuple[Path, 
     path, _ = bag
     two = am.load_robot("pioneer2dx-lms200", pose=am.Pose())
     two = attrs.evolve(two, sensors={**two.sensors, "second": two.sensors["laser"]})
-    entries = list(read_log(path, two))
-    assert {name for entry in entries for name in entry.readings} == {"encoder"}
+    words = r"are alike: topics /scan, sensors laser, second; say .* as \{'laser': '/scan'\}"
+    with pytest.raises(am.AnalysisError, match=words):
+        list(read_log(path, two))
     with pytest.raises(am.AnalysisError, match=r"there is none of the topics /robot/sonar.*; say which topic has"):
         list(read_log(path, attrs.evolve(two, sensors={"sonar": am.load_robot("pioneer2dx").sensors["sonar"]})))
+
+
+def joints_alone(folder: Path, *others: str) -> Path:
+    """A rosbag with the angles of wheels, and with empty odometry of these names."""
+    from rosbags.rosbag2 import Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    with Writer(folder / "bag", version=9) as writer:
+        header = store.types["std_msgs/msg/Header"](store.types["builtin_interfaces/msg/Time"](1, 0), "base")
+        kind = "sensor_msgs/msg/JointState"
+        message = store.types[kind](header, ["l", "r"], np.array([1.0, 2.0]), np.zeros(0), np.zeros(0))
+        writer.write(writer.add_connection("/joints", kind, typestore=store), 10**9, store.serialize_cdr(message, kind))
+        for name in others:
+            writer.add_connection(name, "nav_msgs/msg/Odometry", typestore=store)
+    return folder / "bag"
+
+
+def test_angles_of_wheels_need_the_robot_that_made_them(tmp_path: Path) -> None:
+    path = joints_alone(tmp_path)
+    for topics in (None, {"encoder": "/joints"}):
+        with pytest.raises(am.AnalysisError, match=r"angles of wheels tell how far .*; name the robot that made it"):
+            slam(path, topics=topics, progress=False)
+    robot = am.load_robot("turtlebot3_burger", pose=am.Pose())
+    assert [sorted(entry.readings) for entry in read_log(path, robot)] == [["encoder"]]
+
+
+def test_odometry_in_metres_is_taken_before_angles_and_one_of_two_has_to_be_named(tmp_path: Path) -> None:
+    robot = am.load_robot("turtlebot3_burger", pose=am.Pose())
+    for name, others in (("one", ["/odom"]), ("two", ["/odom", "/filtered"])):
+        (tmp_path / name).mkdir()
+        path = joints_alone(tmp_path / name, *others)
+        if name == "one":
+            assert list(read_log(path, robot)) == []
+        else:
+            with pytest.raises(am.AnalysisError, match=r"are alike: topics /filtered, /odom, sensors encoder; say"):
+                list(read_log(path, robot))
 
 
 def test_the_beams_that_a_robot_needs_are_said(bag: tuple[Path, Any]) -> None:

@@ -112,7 +112,7 @@ def read_log(
     topics
         By sensor, the topic of its readings, as ``{"laser": "/scan"}``. Without it, each sensor's is
         ``/ROBOT/SENSOR``, as in exported runs; if there are none of these, the only topic of scans is the laser's, and
-        the only one of joints, or else of odometry, the encoder's. Sensors without a topic are left out, and if none
+        the only one of odometry, or else of joints, the encoder's. Sensors without a topic are left out, and if none
         has one, that is an error.
     command
         The topic of commands, such as ``"/cmd_vel"``; without it, ``/ROBOT/command``, if it is there. A twist becomes
@@ -161,7 +161,7 @@ def read_log(
         expected = list(own)
         if topics is None and not any(topic in there for topic in own):
             own.clear()
-            own.update(_by_kind(robot, there))
+            own.update(_by_kind(path, robot, there))
         found = [topic for topic in (*own, orders) if topic in there]
         if not found or (expected and found == [orders]):
             raise AnalysisError(
@@ -174,17 +174,22 @@ def read_log(
     return _entries(path, _as_measured(messages) if as_measured else messages, robot, own, orders)
 
 
-def _by_kind(robot: Robot, there: Topics) -> dict[str, str]:
-    """The sensors of the topics that only one sensor can have, and that only one topic can be for."""
+def _by_kind(path: Path, robot: Robot, there: Topics) -> dict[str, str]:
+    """The sensor of the only topic of scans, and that of the only one of odometry or else of joints."""
     scanners = [name for name, one in robot.sensors.items() if beams_of(one.sensor) is not None]
     encoders = [name for name, one in robot.sensors.items() if isinstance(one.sensor, Encoder)]
     found: dict[str, str] = {}
-    for sensors, kinds in ((scanners, (SCANS,)), (encoders, (("sensor_msgs/JointState",), ("nav_msgs/Odometry",)))):
-        for kind in kinds:
-            fit = [topic for topic, one in there.items() if one in kind]
-            if fit:
-                found |= {fit[0]: sensors[0]} if len(fit) == len(sensors) == 1 else {}
-                break
+    for sensors, kinds in ((scanners, (SCANS,)), (encoders, (("nav_msgs/Odometry",), ("sensor_msgs/JointState",)))):
+        fits = ([topic for topic, kind in there.items() if kind in one] for one in kinds)
+        fit = next((topics for topics in fits if topics), [])
+        if len(fit) > 1 or (fit and len(sensors) > 1):
+            raise AnalysisError(
+                f"{path}: several topics or sensors are alike: topics {', '.join(sorted(fit))}, sensors "
+                f"{', '.join(sensors)}; say which topic has the readings of which sensor with topics=, as "
+                f"{{{sensors[0]!r}: {min(fit)!r}}}"
+            )
+        if fit and sensors:
+            found[fit[0]] = sensors[0]
     return found
 
 

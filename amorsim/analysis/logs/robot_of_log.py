@@ -16,6 +16,7 @@ from amorsim.analysis.logs.message_values import SCANS, geometry_of
 from amorsim.analysis.logs.recordings import RECORDING, is_carmen, messages_of
 from amorsim.analysis.logs.scan_geometry import laser_with
 from amorsim.core.arguments import checked, path_of
+from amorsim.core.errors import AnalysisError
 from amorsim.core.files.reading import is_file
 from amorsim.runs.folder import ABOUT
 from amorsim.scenario.pose import Pose
@@ -48,24 +49,31 @@ def robot_of(log: str | os.PathLike[str], topics: Mapping[str, str] | None = Non
     Raises
     ------
     AnalysisError
-        If the log cannot be read, or its laser hangs upside down.
+        If the log cannot be read, it has angles of wheels instead of odometry, or its laser hangs upside down.
     """
     path, robot = path_of(log, "log", RECORDING), default_robot()
     if is_file(path / ABOUT):
         return robot
-    unit, geometry = robot.sensors["laser"], None
+    laser, geometry = robot.sensors["laser"], None
     if is_carmen(path):
         geometry = carmen_geometry(path)
-    elif (scan := _first(path, SCANS, (topics or {}).get("laser"))) is not None:
-        geometry = geometry_of(scan)
-        base = _first(path, ("nav_msgs/Odometry",), (topics or {}).get("encoder"))
-        mount = _frames(path).mount(_frame_of(scan), str(getattr(base, "child_frame_id", "")), str(path))
-        unit = unit if mount is None else attrs.evolve(unit, mount=mount)
+    else:
+        of_laser, of_encoder = ((topics or {}).get(name) for name in ("laser", "encoder"))
+        odometry = _first(path, ("nav_msgs/Odometry",), of_encoder)
+        if odometry is None and _first(path, ("sensor_msgs/JointState",), of_encoder) is not None:
+            raise AnalysisError(
+                f"{path}: angles of wheels tell how far a robot went only with its own radius and track; name the "
+                "robot that made it"
+            )
+        if (scan := _first(path, SCANS, of_laser)) is not None:
+            geometry = geometry_of(scan)
+            mount = _frames(path).mount(_frame_of(scan), str(getattr(odometry, "child_frame_id", "")), str(path))
+            laser = laser if mount is None else attrs.evolve(laser, mount=mount)
     if geometry is None:
         return robot
-    sensor: Any = unit.sensor
-    unit = attrs.evolve(unit, sensor=laser_with(geometry, sensor))
-    return attrs.evolve(robot, sensors={**robot.sensors, "laser": unit})
+    sensor: Any = laser.sensor
+    laser = attrs.evolve(laser, sensor=laser_with(geometry, sensor))
+    return attrs.evolve(robot, sensors={**robot.sensors, "laser": laser})
 
 
 def _first(path: Path, kinds: Sequence[str], topic: str | None) -> Any:
