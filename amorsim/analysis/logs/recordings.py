@@ -111,8 +111,8 @@ def read_log(
         and scans are those of its laser.
     topics
         By sensor, the topic of its readings, as ``{"laser": "/scan"}``. Without it, each sensor's is
-        ``/ROBOT/SENSOR``, as in exported runs; if there are none of these, the only topic of scans is the laser's, and
-        the only one of odometry, or else of joints, the encoder's. Sensors without a topic are left out, and if none
+        ``/ROBOT/SENSOR``, as in exported runs; if no topic begins with ``/ROBOT/``, the only one of scans is the laser's,
+        and the only one of odometry, or else of joints, the encoder's. Sensors without a topic are left out, and if none
         has one, that is an error.
     command
         The topic of commands, such as ``"/cmd_vel"``; without it, ``/ROBOT/command``, if it is there. A twist becomes
@@ -159,7 +159,7 @@ def read_log(
             if topic not in there:
                 raise _no_topic(path, topic, there)
         expected = list(own)
-        if topics is None and not any(topic in there for topic in own):
+        if topics is None and not any(topic.startswith(f"/{robot.name}/") for topic in there):
             own.clear()
             own.update(_by_kind(path, robot, there))
         found = [topic for topic in (*own, orders) if topic in there]
