@@ -111,9 +111,9 @@ def read_log(
         and scans are those of its laser.
     topics
         By sensor, the topic of its readings, as ``{"laser": "/scan"}``. Without it, each sensor's is
-        ``/ROBOT/SENSOR``, as in exported runs; if no topic begins with ``/ROBOT/``, the only one of scans is the laser's,
-        and the only one of odometry, or else of joints, the encoder's. Sensors without a topic are left out, and if none
-        has one, that is an error.
+        ``/ROBOT/SENSOR``, as in exported runs; if no topic begins with ``/ROBOT/``, the only one of scans is the
+        laser's, and the only one of odometry, or else of joints, the encoder's. Sensors without a topic are left out,
+        and if none has one, that is an error.
     command
         The topic of commands, such as ``"/cmd_vel"``; without it, ``/ROBOT/command``, if it is there. A twist becomes
         the command that the nominal drive needs for it.
