@@ -248,6 +248,26 @@ def test_a_scan_between_two_readings_has_the_counts_between_them() -> None:
     assert with_wheels_at_scans(entries[:1], "laser", "wheels", sensor) == entries[:1]
 
 
+@pytest.mark.parametrize("bias", [0.5, -0.5])
+def test_readings_that_noise_leads_out_of_the_range_are_exported_and_read(bias: float, tmp_path: Path) -> None:
+    """In ROS what is beyond a scan's range_min and range_max does not count, so these hold all readings."""
+    unit = am.MountedSensor(
+        sensor=Laser(beams=8, fov=math.pi, range_min=1.9, range_max=2.3),
+        noise=building.chain(am.noise.Bias(value=bias)),
+    )
+    one = building.robot(
+        pose=am.Pose(x=1.2, y=2.0), sensors={"encoder": building.all_sensors()["encoder"], "laser": unit}
+    )
+    am.run(building.scenario(one), tmp_path / "run", duration=0.2, progress=False)
+    (path,) = am.analysis.export_run(tmp_path / "run", "rosbag", tmp_path / "export")
+    given, back = (
+        np.array([entry.readings["laser"] for entry in read_log(source, one) if "laser" in entry.readings])
+        for source in (tmp_path / "run", path)
+    )
+    assert ((given[np.isfinite(given)] < 1.9) | (given[np.isfinite(given)] > 2.3)).any()
+    np.testing.assert_allclose(back, given, atol=1e-6)
+
+
 def test_odometry_needs_wheels_that_only_roll(bag: tuple[Path, Any]) -> None:
     path, _ = bag
     car = am.load_robot("car", pose=am.Pose())

@@ -72,6 +72,23 @@ def test_a_folder_without_truth_is_played_and_refused_where_truth_is_needed(
 
 
 @pytest.mark.long
+def test_a_robot_without_a_graph_gets_one_and_a_log_without_motion_is_told(
+    amorsim: Command, log: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "mine.toml").write_text(
+        'format = 1\ndescription = "mine"\nmodel = "pioneer2dx"\n[sensors.laser]\nbeams = 180\nfov_deg = 179.0\n'
+    )
+    result = amorsim("slam", log, "--robot", "mine.toml", "--out", "lab")
+    assert result.status == 0, result.err
+    assert "estimator: graph_slam of " in result.out
+    assert "never moved" not in result.err
+    lines = [line for line in log.read_text().splitlines() if line.startswith("FLASER")]
+    still = [" ".join([*line.split()[:182], *["0"] * 6, *line.split()[188:]]) for line in lines]
+    (tmp_path / "still.log").write_text("\n".join(still) + "\n")
+    assert "the robot never moved: the path is by its scans alone" in amorsim("slam", "still.log").err
+
+
+@pytest.mark.long
 def test_errors_in_known_relations_are_printed(amorsim: Command, log: Path, tmp_path: Path) -> None:
     path = am.analysis.slam(log, progress=False).path
     rows = []

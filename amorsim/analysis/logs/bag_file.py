@@ -239,8 +239,8 @@ class _Messages:
                 angle_increment=float(angles[1] - angles[0]),
                 time_increment=0.0,
                 scan_time=0.0,
-                range_min=float(told.min(initial=float(low))),
-                range_max=float(told.max(initial=float(high))),
+                range_min=float(told.min(initial=low)),
+                range_max=float(told.max(initial=high)),
                 ranges=values.astype(np.float32),
                 intensities=np.empty(0, np.float32),
             )
