@@ -112,10 +112,9 @@ class GraphSlam(MapArea, ScanTracker):
         asked, scans = self._follow("graph_slam", robot, readings, state)
         if scans is not None and asked[:, 0].any():
             ranges = readings[self.laser].measured
-            grown = [i for i in np.flatnonzero(asked[:, 0]).tolist() if NodeGraph(state, i).grow(ranges[i])]
-            self._take_keys(robot, scans, asked, state)
-            for i in grown:
-                self._extend(robot, state, i)
+            for i in np.flatnonzero(asked[:, 0]).tolist():
+                if NodeGraph(state, i).grow(ranges[i]):
+                    self._extend(robot, state, i)
         return self._estimate(state)
 
     def _extend(self, robot: RobotModel, state: State, row: int) -> None:

@@ -78,18 +78,15 @@ class NodeGraph:
         return np.asarray(self._state["node_pose"][self._row, : self.count])
 
     def grow(self, ranges: Array) -> bool:
-        """Add a node where the row's robot is, linked to its key; False if there is no more room."""
+        """Add the row's new key as a node, linked to the one before; False if there is no more room."""
         state, row, count = self._state, self._row, self.count
         if count == state["node_pose"].shape[1]:
             return False
-        state["node_pose"][row, count] = state["pose"][row]
+        state["node_pose"][row, count] = state["key_pose"][row]
         state["node_ranges"][row, count] = ranges
         state["node_count"][row] = count + 1
         if count:
-            c, s = np.cos(state["key_pose"][row, 2]), np.sin(state["key_pose"][row, 2])
-            turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
-            spread = turn @ state["spread"][row] @ turn.T
-            moved = relative(state["key_pose"][row : row + 1], state["pose"][row : row + 1])[0]
+            moved, spread = state["link"][row, 0], state["link"][row, 1:]
             self._link(count - 1, count, moved, spread)
         return True
 
@@ -225,7 +222,9 @@ class NodeGraph:
             return False
         weights[:] = found.weights
         self._state["node_pose"][self._row, : self.count] = found.poses
-        self._state["key_covariance"][self._row] = covariance
+        spread = self._state["spread"][self._row]
+        self._state["key_covariance"][self._row] = covariance + spread
+        self._state["cross"][self._row] = -spread
         return True
 
     def moved_since_drawn(self, count: int) -> float:
@@ -237,9 +236,10 @@ class NodeGraph:
     def take_pose(self) -> None:
         """Move the row's robot along with its newest node."""
         state, row = self._state, self._row
-        newest = self.poses[-1]
-        for name in ("pose", "key_pose", "last", "scan_pose"):
-            state[name][row] = newest
+        old, newest = state["key_pose"][row].copy(), self.poses[-1]
+        for name in ("pose", "last", "scan_pose"):
+            state[name][row] = _from(newest, relative(old[None], state[name][row : row + 1])[0])
+        state["key_pose"][row] = newest
 
 
 def _as_sure_as_it_fits(graph: PoseGraph, found: RobustOptimum) -> PoseGraph:

@@ -46,7 +46,5 @@ class ScanMatching(ScanTracker):
         draws: Draws,
     ) -> Estimate:
         """The estimate after this step's motion and scan."""
-        asked, scans = self._follow("scan_matching", robot, readings, state)
-        if scans is not None and asked[:, 0].any():
-            self._take_keys(robot, scans, asked, state)
+        self._follow("scan_matching", robot, readings, state)
         return self._estimate(state)

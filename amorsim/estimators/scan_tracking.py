@@ -27,7 +27,7 @@ from amorsim.estimators.ages import check_fresh
 from amorsim.estimators.initial_beliefs import refuse_lost, start_state, with_start
 from amorsim.estimators.scans import beams_of, check_laser, mounts_of
 from amorsim.estimators.wheels import angles_of, check_encoder, is_current, reckon
-from amorsim.kernels.matching import tracking
+from amorsim.kernels.matching import tracking, tracks
 from amorsim.kernels.matching.correlative import Window
 from amorsim.kernels.matching.icp import Search
 from amorsim.kernels.matching.outlines import outlines
@@ -130,6 +130,8 @@ class ScanTracker(Estimator):
             "spread": np.zeros((rows, 3, 3)),
             "key_pose": pose.copy(),
             "key_covariance": np.zeros((rows, 3, 3)),
+            "cross": np.zeros((rows, 3, 3)),
+            "link": np.zeros((rows, 4, 3)),
             "last": np.full((rows, 3), np.nan),
             "last_points": np.full((rows, beams, 2), np.nan),
             "joints": np.full((rows, len(robot.drive.joints)), np.nan),
@@ -175,6 +177,10 @@ class ScanTracker(Estimator):
         check_fresh(who, robot, self.encoder, readings[self.encoder], self.age_max)
         before, after = angles_of(robot, self.encoder, readings[self.encoder].measured, state["joints"])
         moved = reckon(robot.drive, state["pose"], state["spread"], before, after, self.wheel_variance)
+        off = (moved.pose - state["pose"])[:, :2]
+        cross = state["cross"]
+        cross[:, 0] -= off[:, 1:] * cross[:, 2]
+        cross[:, 1] += off[:, :1] * cross[:, 2]
         state["pose"], state["spread"], state["joints"] = moved.pose, moved.covariance, after
         state["current"] = is_current(robot, self.encoder, readings[self.encoder], after, state["current"])
         reading = readings[self.laser]
@@ -216,13 +222,9 @@ class ScanTracker(Estimator):
         outlines(np.ascontiguousarray(ranges), cos_b, sin_b, range_max, mounts, *found)
         return found
 
-    def _take_keys(self, robot: RobotModel, scans: tracking.Outlines, asked: Bools, state: State) -> None:
-        """Make the scans of the rows that need one their next key."""
-        tracking.make_keys(scans, asked, _keys(state, mounts_of(robot, self.laser)), _tracks(state), self._room(robot))
-
     def _estimate(self, state: State) -> Estimate:
         covariance = np.empty_like(state["spread"])
-        tracking.total_covariances(_tracks(state), covariance)
+        tracks.total_covariances(_tracks(state), covariance)
         return with_start(Estimate(state["pose"].copy(), covariance), state)
 
     def beliefs(self, state: State) -> Beliefs:
@@ -264,12 +266,14 @@ def _keys(state: State, mounts: Array) -> tracking.Keys:
     )
 
 
-def _tracks(state: State) -> tracking.Tracks:
-    return tracking.Tracks(
+def _tracks(state: State) -> tracks.Tracks:
+    return tracks.Tracks(
         state["pose"],
         state["spread"],
         state["key_pose"],
         state["key_covariance"],
+        state["cross"],
+        state["link"],
         state["last"],
         state["last_points"],
     )

@@ -17,7 +17,8 @@ def line_of_nodes(count=30):
     """A graph of nodes 1 m apart, each linked to the one before, with the robot at the last."""
     state = empty_nodes(1, count, 1)
     state |= {name: np.zeros((1, 3)) for name in ("pose", "key_pose", "last", "scan_pose")}
-    state |= {name: np.zeros((1, 3, 3)) for name in ("spread", "key_covariance")}
+    state |= {name: np.zeros((1, 3, 3)) for name in ("spread", "key_covariance", "cross")}
+    state["link"] = np.zeros((1, 4, 3))
     graph = NodeGraph(state, 0)
     for n in range(count - 5):
         go_on(state, graph, n)
@@ -25,9 +26,10 @@ def line_of_nodes(count=30):
 
 
 def go_on(state, graph, n):
-    state["pose"][0] = n, 0.0, 0.0
+    before = state["key_pose"].copy()
+    state["pose"][0] = state["key_pose"][0] = n, 0.0, 0.0
+    state["link"][0, 0] = am.relative(before, state["key_pose"])[0]
     assert graph.grow(np.zeros(1))
-    state["key_pose"][0] = state["pose"][0]
 
 
 def close(graph, first, off):

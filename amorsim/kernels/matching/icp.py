@@ -30,6 +30,7 @@ __all__ = [
     "align",
     "fisher",
     "index",
+    "own_information",
     "refer",
     "reference",
     "result",
@@ -42,6 +43,7 @@ _BEYOND = 2.0
 _SURE = 2.0  # standard deviations of a range, within which no pair is left out
 _NEAR = 0.01  # [m, rad] step below which pairs are chosen more strictly
 _ALIKE = math.cos(math.radians(30.0))  # of the angle between the surfaces at both ends of a pair
+_OWN, _OWN_TURN = 0.01, 0.004  # [m], [rad] by which all points of a scan are off together, at most
 _GRAZING = 0.05  # added to the squared cosine of the incidence, as lines are never exact
 _SLANT = 1e-3  # least cosine of the incidence in Fisher's information
 
@@ -363,6 +365,28 @@ def align(
     out.quality[0] = used / points if points > 0 else 0.0
     out.quality[1] = math.sqrt(squares / used) if used > 0 else math.nan
     out.quality[2] = count
+
+
+@kernel
+def own_information(scan: Outline, std: float, at: Work, out: Array) -> None:
+    """Information (3, 3) on how far all points of a scan are off together, in its robot's frame."""
+    for i in range(scan.points.shape[0]):
+        nx = scan.lines[i, 2]
+        ny = scan.lines[i, 3]
+        at.pairs[i] = -1 if math.isnan(nx) else i
+        if math.isnan(nx):
+            continue
+        along = nx * scan.rays[i, 0] + ny * scan.rays[i, 1]
+        at.slopes[i, 0] = nx
+        at.slopes[i, 1] = ny
+        at.slopes[i, 2] = ny * scan.points[i, 0] - nx * scan.points[i, 1]
+        at.off[i] = 0.0
+        at.weights[i] = 1.0 / (std * std * (along * along + _GRAZING))
+    _sum_up(at, out)
+    _leave_out_unchecked(_arm(scan), at, out)
+    _sum_up(at, out)
+    for i in range(3):
+        out[i, i] += 1.0 / (_OWN_TURN * _OWN_TURN if i == 2 else _OWN * _OWN)
 
 
 @kernel

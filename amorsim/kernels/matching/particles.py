@@ -19,7 +19,8 @@ from amorsim.kernels.kinematics.poses import displaced
 from amorsim.kernels.matching import icp, priors
 from amorsim.kernels.matching.outlines import Outline, new_outline
 from amorsim.kernels.matching.symmetric import invert
-from amorsim.kernels.matching.tracking import Outlines, swing
+from amorsim.kernels.matching.tracking import Outlines
+from amorsim.kernels.matching.tracks import swing
 
 __all__ = ["Particles", "Weighing", "Workshop", "move_and_match", "resample", "workshop"]
 

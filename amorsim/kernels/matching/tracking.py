@@ -13,12 +13,22 @@ import numpy as np
 
 from amorsim.array_types import Array, Bools, Ints
 from amorsim.kernels.compile import kernel, part
-from amorsim.kernels.kinematics.poses import displaced, wrap
+from amorsim.kernels.kinematics.poses import wrap
 from amorsim.kernels.matching import correlative, icp
 from amorsim.kernels.matching.keys import extend
 from amorsim.kernels.matching.outlines import Outline
 from amorsim.kernels.matching.priors import Prior, no_prior
 from amorsim.kernels.matching.symmetric import invert
+from amorsim.kernels.matching.tracks import (
+    Correction,
+    Tracks,
+    begin_key,
+    correct,
+    correction,
+    forget_correction,
+    relative,
+    turn,
+)
 
 __all__ = [
     "DEGENERATE",
@@ -33,12 +43,8 @@ __all__ = [
     "Outlines",
     "Room",
     "Rules",
-    "Tracks",
     "align_outline",
-    "make_keys",
     "room",
-    "swing",
-    "total_covariances",
     "track",
 ]
 
@@ -79,17 +85,6 @@ class Keys(NamedTuple):
     mounts: Array  # (N, 3) of the lasers
 
 
-class Tracks(NamedTuple):
-    """The tracks of N rows: their estimated poses."""
-
-    pose: Array  # (N, 3)
-    spread: Array  # (N, 3, 3) covariance of the motion since the key, in the world
-    key_pose: Array  # (N, 3)
-    key_covariance: Array  # (N, 3, 3)
-    last: Array  # (N, 3) the pose at the last match; nan before the first scan
-    last_points: Array  # (N, k, 2) of the scan that was matched then
-
-
 class Rules(NamedTuple):
     """When and how to match."""
 
@@ -116,6 +111,8 @@ class Room(NamedTuple):
     matrix: Array  # (3, 3)
     free: Prior  # nothing known
     found: Array  # (3,)
+    spread: Array  # (3, 3)
+    correction: Correction
 
 
 def room(beams: int, reach: float, resolution: float, blur: float) -> Room:
@@ -130,40 +127,9 @@ def room(beams: int, reach: float, resolution: float, blur: float) -> Room:
         np.empty((3, 3)),
         no_prior(),
         np.empty(3),
+        np.empty((3, 3)),
+        correction(),
     )
-
-
-@part
-def _relative(pose: Array, other: Array, out: Array) -> None:
-    """The displacement from a pose to another one, in the first one's frame."""
-    c = math.cos(pose[2])
-    s = math.sin(pose[2])
-    x = other[0] - pose[0]
-    y = other[1] - pose[1]
-    out[0] = c * x + s * y
-    out[1] = c * y - s * x
-    out[2] = wrap(other[2] - pose[2])
-
-
-@part
-def _turn(matrix: Array, angle: float, out: Array) -> None:
-    """A covariance or information (3, 3) of x, y, heading in a frame turned by -angle, as seen from there."""
-    c = math.cos(angle)
-    s = math.sin(angle)
-    a = matrix[0, 0]
-    b = matrix[0, 1]
-    d = matrix[1, 1]
-    e = matrix[0, 2]
-    f = matrix[1, 2]
-    out[0, 0] = c * c * a - 2.0 * c * s * b + s * s * d
-    out[0, 1] = c * s * (a - d) + (c * c - s * s) * b
-    out[1, 1] = s * s * a + 2.0 * c * s * b + c * c * d
-    out[0, 2] = c * e - s * f
-    out[1, 2] = s * e + c * f
-    out[2, 2] = matrix[2, 2]
-    out[1, 0] = out[0, 1]
-    out[2, 0] = out[0, 2]
-    out[2, 1] = out[1, 2]
 
 
 @kernel
@@ -195,37 +161,6 @@ def align_outline(
     return correlative.weigh(at.picture, scan.points, pose)
 
 
-@part
-def swing(covariance: Array, dx: float, dy: float, out: Array) -> None:
-    """Carry a pose's covariance (3, 3) to the end of a displacement (dx, dy) in the world."""
-    for i in range(3):
-        for j in range(3):
-            out[i, j] = covariance[i, j]
-    xh = out[0, 2]
-    yh = out[1, 2]
-    hh = out[2, 2]
-    out[0, 0] += -dy * (2.0 * xh - dy * hh)
-    out[0, 1] += dx * xh - dy * yh - dx * dy * hh
-    out[1, 1] += dx * (2.0 * yh + dx * hh)
-    out[0, 2] -= dy * hh
-    out[1, 2] += dx * hh
-    out[1, 0] = out[0, 1]
-    out[2, 0] = out[0, 2]
-    out[2, 1] = out[1, 2]
-
-
-@kernel
-def total_covariances(tracks: Tracks, out: Array) -> None:
-    """Covariances (N, 3, 3) of the poses: of the key's, and of the motion since."""
-    for i in range(tracks.pose.shape[0]):
-        dx = tracks.pose[i, 0] - tracks.key_pose[i, 0]
-        dy = tracks.pose[i, 1] - tracks.key_pose[i, 1]
-        swing(tracks.key_covariance[i], dx, dy, out[i])
-        for j in range(3):
-            for k in range(3):
-                out[i, j, k] += tracks.spread[i, j, k]
-
-
 @kernel
 def _key(keys: Keys, i: int) -> icp.Reference:
     """The key of a row."""
@@ -233,17 +168,12 @@ def _key(keys: Keys, i: int) -> icp.Reference:
 
 
 @kernel
-def _make_key(i: int, scans: Outlines, keys: Keys, tracks: Tracks, at: Room) -> None:
+def _make_key(i: int, scans: Outlines, keys: Keys, tracks: Tracks, std: float, at: Room) -> None:
     """Let a row's scan be its key from now on."""
-    dx = tracks.pose[i, 0] - tracks.key_pose[i, 0]
-    dy = tracks.pose[i, 1] - tracks.key_pose[i, 1]
-    _relative(tracks.key_pose[i], tracks.pose[i], at.start)
-    swing(tracks.key_covariance[i], dx, dy, at.matrix)
-    for j in range(3):
-        tracks.key_pose[i, j] = tracks.pose[i, j]
-        for k in range(3):
-            tracks.key_covariance[i, j, k] = at.matrix[j, k] + tracks.spread[i, j, k]
-    extend(Outline(scans.points[i], scans.lines[i], scans.rays[i]), _key(keys, i), at.start)
+    scan = Outline(scans.points[i], scans.lines[i], scans.rays[i])
+    icp.own_information(scan, std, at.work, at.matrix)
+    begin_key(i, tracks, at.matrix, at.correction, at.start)
+    extend(scan, _key(keys, i), at.start)
     for j in range(keys.seen.shape[1]):
         for k in range(2):
             keys.seen[i, j, k] = scans.points[i, j, k]
@@ -292,8 +222,7 @@ def track(
     """Match the new scans of N rows that have moved since their last match, and correct their tracks.
 
     They have moved if the wheels or the scans have it so. `records` (N, 12) are of the matches of this step, nan where
-    there was none. `out` (N, 2): whether a row has a new key, and whether it was matched. The motion since the old key,
-    whose `spread` a caller may want, is set to 0 by the caller.
+    there was none. `out` (N, 2): whether a row has a new key, and whether it was matched.
     """
     for i in range(fresh.shape[0]):
         out[i, 0] = False
@@ -301,7 +230,8 @@ def track(
         if not fresh[i, 0]:
             continue
         if math.isnan(tracks.last[i, 0]):
-            _make_key(i, scans, keys, tracks, at)
+            forget_correction(at.correction)
+            _make_key(i, scans, keys, tracks, rules.search.std, at)
             _remember(i, scans, tracks)
             out[i, 0] = True
             continue
@@ -314,16 +244,8 @@ def track(
         share = _match(i, scans, keys, tracks, rules, at, records[i])
         _remember(i, scans, tracks)
         if share < rules.key_share or _is_far(tracks.pose[i], tracks.key_pose[i], rules.key_distance, rules.key_angle):
+            _make_key(i, scans, keys, tracks, rules.search.std, at)
             out[i, 0] = True
-
-
-@kernel
-def make_keys(scans: Outlines, is_new: Bools, keys: Keys, tracks: Tracks, at: Room) -> None:
-    """Let the scans of rows `is_new` (N, 2) be their keys, and count their motion from there."""
-    for i in range(is_new.shape[0]):
-        if is_new[i, 0]:
-            _make_key(i, scans, keys, tracks, at)
-            tracks.spread[i] = 0.0
 
 
 @part
@@ -363,8 +285,8 @@ def _match(i: int, scans: Outlines, keys: Keys, tracks: Tracks, rules: Rules, at
     scan = Outline(scans.points[i], scans.lines[i], scans.rays[i])
     key = _key(keys, i)
     heading = tracks.key_pose[i, 2]
-    _relative(tracks.key_pose[i], tracks.pose[i], at.prior.pose)
-    _turn(tracks.spread[i], -heading, at.matrix)
+    relative(tracks.key_pose[i], tracks.pose[i], at.prior.pose)
+    turn(tracks.spread[i], -heading, at.matrix)
     for j in range(3):
         at.matrix[j, j] += _FLOOR * _FLOOR
         at.start[j] = at.prior.pose[j]
@@ -386,22 +308,18 @@ def _match(i: int, scans: Outlines, keys: Keys, tracks: Tracks, rules: Rules, at
     record[DIRECTION + 1] = s * found.vectors[0, 0] + c * found.vectors[1, 0]
     record[DIRECTION + 2] = found.vectors[2, 0]
     record[USED] = 0.0
+    forget_correction(at.correction)
     if fit < rules.least_fit:
         _doubt(rules.window, tracks.spread[i])
         return share
     record[USED] = 1.0
-    x, y, turned = displaced(
-        tracks.key_pose[i, 0], tracks.key_pose[i, 1], heading, found.pose[0], found.pose[1], found.pose[2]
-    )
-    record[0] = x - tracks.pose[i, 0]
-    record[1] = y - tracks.pose[i, 1]
-    record[2] = wrap(turned - tracks.pose[i, 2])
-    tracks.pose[i, 0] = x
-    tracks.pose[i, 1] = y
-    tracks.pose[i, 2] = turned
     for j in range(3):
+        record[j] = tracks.pose[i, j]
         for k in range(3):
             at.prior.information[j, k] = found.kept[j, k] + found.information[j, k]
-    if invert(at.prior.information, at.matrix):
-        _turn(at.matrix, heading, tracks.spread[i])
+    if invert(at.prior.information, at.matrix) and invert(found.kept, at.spread):
+        correct(i, tracks, found.pose, at.matrix, found.kept, at.spread, found.information, at.correction)
+    for j in range(3):
+        record[j] = tracks.pose[i, j] - record[j]
+    record[2] = wrap(record[2])
     return share
